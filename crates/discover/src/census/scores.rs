@@ -12,13 +12,13 @@ use crate::error::DiscoverError;
 use crate::hypotheses::candidate::Candidate;
 use crate::hypotheses::change::Change;
 use crate::options::DiscoverOptions;
-use crate::problem::emitted::Emitted;
+use crate::problem::emitted::{Emitted, Said};
 use crate::problem::linearisation::Linearisation;
 use crate::screen::candidates::Screen;
 use crate::screen::functions::Functions;
 use crate::statistics::beta::surprisal;
-use crate::statistics::product::dot;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, DVectorView};
+use std::ops::Range;
 use truepose_errormodel::Dataset;
 
 /// Xᵀr of everything that a screen looks at.
@@ -110,14 +110,17 @@ fn scores(
     let of = |block: &Dataset| -> Result<Scores, DiscoverError> {
         let seen = Seen::of((block, blocks), all, options)?;
         let scores = seen.scores();
-        let scores_of = |site: usize| &scores.as_slice()[site * scores.nrows()..][..scores.nrows()];
+        // Φᵀc of some visits.
+        let along = |one: &Said<'_>, site: usize, visits: &Range<usize>| {
+            let values = DVectorView::from_slice(one.values, one.values.len());
+            one.factor * values.dot(&scores.column(site).rows_range(visits.clone()))
+        };
         let mut sums = vec![None; screen.candidates.len()];
         for (part, asked) in &asked {
             let mut sum = vec![0.0; asked.width()];
             asked.each(block, &seen.rows, &mut |said| {
                 for one in &said.beside {
-                    let scores = &scores_of(one.site)[said.visits.clone()];
-                    sum[one.column] += one.factor * dot(one.values, scores);
+                    sum[one.column] += along(one, one.site, &said.visits);
                 }
             })?;
             let mut first = 0;
@@ -134,8 +137,7 @@ fn scores(
             asked.each(block, &seen.rows, &mut |said| {
                 for one in &said.beside {
                     for site in 0..seen.sites {
-                        let scores = &scores_of(site)[said.visits.clone()];
-                        at_sites[(first + one.column, site)] += one.factor * dot(one.values, scores);
+                        at_sites[(first + one.column, site)] += along(one, site, &said.visits);
                     }
                 }
             })?;

@@ -21,17 +21,6 @@ where
     out
 }
 
-/// Σ a b, in four sums that a processor makes side by side.
-pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let mut sums = [0.0; 4];
-    let (fours, rest) = a.as_chunks::<4>();
-    let (others, last) = b.as_chunks::<4>();
-    for (a, b) in fours.iter().zip(others) {
-        (0..4).for_each(|k| sums[k] += a[k] * b[k]);
-    }
-    sums.iter().sum::<f64>() + rest.iter().zip(last).map(|(a, b)| a * b).sum::<f64>()
-}
-
 /// `AᵀA`.
 pub(crate) fn gram_matrix(a: &DMatrix<f64>) -> DMatrix<f64> {
     /// Up to so many columns, both halves are computed as fast as one.

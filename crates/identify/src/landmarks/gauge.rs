@@ -6,8 +6,8 @@
 use super::sensors::Sensors;
 use nalgebra::{DMatrix, DVector};
 use std::any::Any;
-use truepose_errormodel::Surroundings;
 use truepose_errormodel::observation::Plane;
+use truepose_errormodel::{KnownDistance, Surroundings};
 
 /// Planes that miss a common point by less tell no length, m.
 const APART: f64 = 1e-2;
@@ -18,6 +18,8 @@ pub(super) struct Gauge<'a> {
     pub outside: bool,
     /// Whether the fit keeps a known distance between landmarks.
     pub distances: bool,
+    /// Those between landmarks that it keeps, where all distances are such.
+    pub kept: Vec<&'a KnownDistance>,
     /// Whether points were touched again and again.
     pub touched: bool,
     /// What measured numbers.
@@ -69,11 +71,11 @@ impl Gauge<'_> {
     /// ```text
     /// s² = 1/Σ (L/σ)²,   s' = Σ w σ/L,   w = (L/σ)²/Σ (L/σ)²
     /// ```
-    fn scale_by_distances(&self, surroundings: &Surroundings) -> Option<[f64; 2]> {
+    fn scale_by_distances(&self) -> Option<[f64; 2]> {
         let metric = self.sensors.found.iter().any(|found| found.observation.metric());
         let others = self.outside || metric || self.planes_apart();
-        let stated = &surroundings.distances;
-        let known = self.distances && !others && stated.iter().all(|of| of.sd > 0.0 && of.value > 0.0);
+        let stated = &self.kept;
+        let known = !others && stated.iter().all(|of| of.sd > 0.0 && of.value > 0.0);
         let sum: f64 = stated.iter().map(|of| (of.value / of.sd).powi(2)).sum();
         let shared: f64 = stated.iter().map(|of| of.value / of.sd).sum::<f64>() / sum;
         (known && sum > 0.0).then(|| [1.0 / sum.sqrt(), shared])
@@ -102,10 +104,8 @@ impl Gauge<'_> {
         }
         // A tenth of a millimetre over a metre.
         const WORTH_TELLING: f64 = 1e-4;
-        if let Some([apart, shared]) = self
-            .scale_by_distances(surroundings)
-            .map(|of| of.map(|sd| 1.96 * sd))
-            .filter(|of| of[1] > WORTH_TELLING)
+        if let Some([apart, shared]) =
+            self.scale_by_distances().map(|of| of.map(|sd| 1.96 * sd)).filter(|of| of[1] > WORTH_TELLING)
         {
             let percent = |part: f64| format!("±{:.2} %", 100.0 * part);
             words.push(format!(

@@ -65,6 +65,10 @@ impl Prepared {
         let gauge = Gauge {
             outside,
             distances: !structure.distances.is_empty() || contacts.iter().any(|of| of.distance > 0.0),
+            kept: match contacts.iter().any(|of| of.distance > 0.0) {
+                true => Vec::new(),
+                false => surroundings.distances.iter().filter(|of| structure.keeps(of)).collect(),
+            },
             touched: !structure.points.is_empty() || !contacts.is_empty(),
             sensors: &sensors,
         };

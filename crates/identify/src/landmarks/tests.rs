@@ -149,6 +149,12 @@ fn how_well_known_distances_determine_the_scale_is_stated() {
     assert_eq!(surroundings.distances.len(), 6);
     let remark = told(&surroundings);
     assert!(remark.contains("±0.16 % if their errors are independent, to ±0.39 % if"), "{remark}");
+    // A distance to a landmark that no row touches adds nothing.
+    surroundings.landmarks.push(Landmark { name: "far".into(), ..surroundings.landmarks[0].clone() });
+    let between = [0, surroundings.landmarks.len() - 1];
+    surroundings.distances.push(KnownDistance { between, value: 1.0, sd: 1e-6 });
+    let remark = told(&surroundings);
+    assert!(remark.contains("±0.16 % if their errors are independent"), "{remark}");
     surroundings.distances.iter_mut().for_each(|distance| distance.sd = 0.0);
     let remark = told(&surroundings);
     assert!(!remark.contains("alone determine"), "{remark}");

@@ -2,8 +2,8 @@
 
 use crate::IdentifyError;
 use nalgebra::Vector3;
-use truepose_errormodel::Surroundings;
 use truepose_errormodel::effects::{Landmarks, Point, Tied};
+use truepose_errormodel::{KnownDistance, Surroundings};
 
 /// Landmarks of unknown place that were touched, each behind the one that it is tied to.
 #[derive(Clone)]
@@ -18,6 +18,15 @@ pub(super) struct Structure {
 }
 
 impl Structure {
+    /// Whether the fit keeps a stated distance.
+    pub fn keeps(&self, stated: &KnownDistance) -> bool {
+        let [a, b] = stated.between;
+        self.distances.iter().any(|([i, j], _)| {
+            let pair = [self.declared[*i], self.declared[*j]];
+            pair == [a, b] || pair == [b, a]
+        })
+    }
+
     /// Holds the scale by the distance between the two landmarks that are farthest apart; a sentence. None of fewer than two.
     pub fn hold_scale(&mut self, at: &[Vector3<f64>]) -> Option<String> {
         let mut landmarks = Landmarks { points: std::mem::take(&mut self.points) };
@@ -107,11 +116,7 @@ pub(super) fn tied(
     }
     for distance in &surroundings.distances {
         let [a, b] = distance.between;
-        let kept = of.distances.iter().any(|([i, j], _)| {
-            let pair = [of.declared[*i], of.declared[*j]];
-            pair == [a, b] || pair == [b, a]
-        });
-        if !kept {
+        if !of.keeps(distance) {
             remarks.push(format!(
                 "the distance from {} to {} is not used: both have to be touched and of unknown place, and distances must not close a ring",
                 name(a),

@@ -56,16 +56,16 @@ fn gathered(mut lineariser: Lineariser<'_>, visits: &Visits) -> Result<Rows, Ide
     Ok(Rows { a: whole.remove_column(width - 1), residual, visit })
 }
 
-/// All whitened rows, number by number and visit by visit.
+/// All whitened rows, number by number and visit by visit: m or rad over their standard deviations, as [`crate::NoiseModel`] whitens them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ByVisits {
-    /// `[a_1 … a_p, r]` of every number, (p + 1) × numbers.
+    /// `[a_1 … a_p, r]` of every number, (p + 1) × numbers: per unit of the coefficient of each column; in no fixed order within a visit.
     pub numbers: DMatrix<f64>,
-    /// The numbers of each visit.
+    /// The numbers of each visit, in the order of visits; none of one without measurements.
     pub visits: Vec<Range<usize>>,
 }
 
-/// The whitened rows of `[A | r]` over these columns, visit by visit.
+/// The whitened rows of `[A | r]`, A = W P J_e Φ, over these columns of the model in this order, linearised at these coefficients; visit by visit.
 ///
 /// # Errors
 /// When the model and the data do not fit.
