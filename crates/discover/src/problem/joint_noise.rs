@@ -14,7 +14,8 @@
 use crate::problem::linearisation::Linearisation;
 use crate::problem::noise::{JointNoise, Noise};
 use crate::problem::observation::Observation;
-use crate::problem::restricted::{Component, Restricted, plain};
+use crate::problem::restricted::{Restricted, plain};
+use crate::problem::variance::Component;
 use crate::statistics::chi_square::surprisal;
 use crate::statistics::product::gram_matrix;
 use nalgebra::DMatrix;
@@ -52,8 +53,9 @@ fn tested(linearisation: &Linearisation<'_>) -> Option<(JointRepeatability, f64)
     /// z² of the score below which the likelihoods are not compared.
     const CLOSE: f64 = 4.0;
     let nothing = DMatrix::zeros(linearisation.len(), 0);
-    let restricted = Restricted::new(linearisation, &nothing, prior_precision(linearisation));
-    let (without, deviance) = restricted.fitted(plain(linearisation.noise.rows), false)?;
+    let restricted = Restricted::new(linearisation, &nothing, 0.0);
+    let plain = restricted.fitted(plain(linearisation.noise.rows), false)?;
+    let (without, deviance) = (plain.noise(), plain.restricted);
     let derivatives = restricted.derivatives_at(without)?;
     let places: Vec<usize> = (0..derivatives.components.len())
         .filter(|&k| Component::JOINTS.contains(&derivatives.components[k]))
@@ -61,7 +63,8 @@ fn tested(linearisation: &Linearisation<'_>) -> Option<(JointRepeatability, f64)
     if !places.iter().any(|&k| derivatives.towards(k).is_some_and(|squared| squared > CLOSE)) {
         return None;
     }
-    let (noise, with) = restricted.fitted(without, true)?;
+    let scattering = restricted.fitted(without, true)?;
+    let (noise, with) = (scattering.noise(), scattering.restricted);
     if !noise.joints.is_some() {
         return None;
     }
@@ -102,12 +105,9 @@ impl<'l> BesideJoints<'l> {
             Some((found.noise(), deviance))
         };
         let (start, deviance) = self.without.get_or_init(without).as_ref()?;
-        let (r, k) = (problem.base.ncols(), columns.ncols());
         // The candidate is free, and the determinant that its directions add is that of both.
-        let prior = prior_precision(problem).resize(r + k, r + k, 0.0);
-        let restricted = Restricted::new(problem, columns, prior).beside(r);
-        let (_, with) = restricted.fitted(*start, true)?;
-        let single = (-surprisal(deviance - with, freedom)).exp();
+        let with = Restricted::new(problem, columns, 0.0).beside().fitted(*start, true)?;
+        let single = (-surprisal(deviance - with.restricted, freedom)).exp();
         Some((single * problem.policy.dependence_tests).min(1.0))
     }
 }
@@ -183,10 +183,10 @@ impl Linearisation<'_> {
     pub fn beside_joints(mut self, start: JointNoise) -> Self {
         let noise = {
             let nothing = DMatrix::zeros(self.len(), 0);
-            let restricted = Restricted::new(&self, &nothing, prior_precision(&self));
-            restricted.fitted(Noise { rows: self.noise.rows, joints: start }, true)
+            let restricted = Restricted::new(&self, &nothing, 0.0);
+            restricted.fitted(Noise { rows: self.noise.rows, joints: start }, true).map(|found| found.noise())
         };
-        if let Some((noise, _)) = noise {
+        if let Some(noise) = noise {
             self.noise = noise;
         }
         self

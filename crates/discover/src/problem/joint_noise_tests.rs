@@ -8,8 +8,9 @@ use crate::problem::likelihood::Likelihood;
 use crate::problem::linearisation::Linearisation;
 use crate::problem::noise::{JointNoise, Noise};
 use crate::problem::projection::Projection;
-use crate::problem::restricted::{Component, Restricted};
+use crate::problem::restricted::Restricted;
 use crate::problem::synthetic::{data, fitted, normal, wave};
+use crate::problem::variance::Component;
 use nalgebra::{DMatrix, DVector};
 use truepose_errormodel::{Dataset, Visits};
 use truepose_identify::{Fit, NoiseModel};
@@ -138,7 +139,8 @@ fn score_and_information_of_the_components_are_those_of_whole_matrices() {
     let r = linearisation.base.ncols();
     let prior = prior_precision(&linearisation).resize(r + 2, r + 2, 0.0);
     for integrated in [r + 2, r] {
-        let restricted = Restricted::new(&linearisation, &extra, prior.clone()).beside(integrated);
+        let restricted = Restricted::new(&linearisation, &extra, 0.0);
+        let restricted = if integrated == r { restricted.beside() } else { restricted };
         let found = restricted.derivatives_at(NOISE).unwrap();
         let mut columns = linearisation.base.clone().resize_horizontally(r + 2, 0.0);
         columns.columns_mut(r, 2).copy_from(&extra);
@@ -183,6 +185,34 @@ fn score_and_information_of_the_components_are_those_of_whole_matrices() {
             }
         }
     }
+}
+
+#[test]
+fn the_grid_has_a_noise_near_the_best_for_every_candidate() {
+    let (chain, data, fit) = measured(60);
+    let options = DiscoverOptions::default();
+    let mut linearisation = Linearisation::new(&fit, &data, &options).unwrap();
+    linearisation.y = scattering(&linearisation, 3, NOISE);
+    // The start has half as much again as is there.
+    linearisation.noise = Noise {
+        rows: NoiseModel { position_sd: 3e-5, visit_sd: 1.5e-5, ..ROWS },
+        joints: JointNoise { turning: 4.5e-5, sliding: 0.0 },
+    };
+    let all = Library::standard().candidates(&chain, &data);
+    let mut noises = Vec::new();
+    for candidate in all.iter().step_by(211) {
+        let x = linearisation.columns_of(candidate).unwrap();
+        let restricted = Restricted::new(&linearisation, &x, 1e-4);
+        let best = restricted.fitted(linearisation.noise, true).unwrap();
+        let near = restricted.on_grid(linearisation.noise).unwrap();
+        let behind = near.restricted - best.restricted;
+        assert!((-0.05..0.25).contains(&behind), "{}: {behind}", candidate.words());
+        noises.push(near.noise());
+    }
+    let count = noises.len();
+    noises.sort_by(|a, b| a.joints.turning.total_cmp(&b.joints.turning));
+    noises.dedup_by(|a, b| a.joints == b.joints);
+    assert!(count > 20 && 3 * noises.len() < count, "{count} candidates meet at {} noises", noises.len());
 }
 
 #[test]

@@ -70,8 +70,10 @@ impl Likelihood {
         let n = r + k;
         let prior =
             precision(linearisation.prior.as_ref(), &Vec::from_iter(0..r), k, linearisation.policy.wide);
-        if linearisation.noise.joints.is_some() {
-            return Likelihood::beside_joints(linearisation, extra, prior);
+        if linearisation.noise.joints.is_some()
+            && let Some(found) = Likelihood::beside_joints(linearisation, extra, &prior)
+        {
+            return Ok(found);
         }
         let known = linearisation.normal().map(|normal| (normal, normal.candidate_products(extra)));
         let gram = |noise: NoiseModel| match &known {
@@ -121,28 +123,24 @@ impl Likelihood {
         }
     }
 
-    /// The same where the joints scatter: all components of the noise by restricted likelihood.
+    /// The same where the joints scatter: all components of the noise by restricted likelihood. None where the candidate's columns are not
+    /// finite or all alike.
     fn beside_joints(
         linearisation: &Linearisation<'_>,
         extra: &DMatrix<f64>,
-        prior: DMatrix<f64>,
-    ) -> Result<Self, DiscoverError> {
-        let (r, n) = (linearisation.base.ncols(), prior.ncols());
-        let restricted = Restricted::new(linearisation, extra, prior.clone());
-        let noise =
-            restricted.fitted(linearisation.noise, true).map_or(linearisation.noise, |fitted| fitted.0);
-        let whitener = linearisation.whitener(noise);
-        let gram = gram_matrix(&whitener.of(&joined(linearisation, extra)));
-        let (solution, factor) = solved(&gram, &prior)?;
-        let penalty = (&prior * &solution).dot(&solution);
-        Ok(Likelihood {
-            deviance: whitener.log_determinant() + squares(&gram, &solution) + penalty,
-            noise,
-            coefficients: solution.rows(r, n - r).into_owned(),
-            covariance: factor.covariance(r),
+        prior: &DMatrix<f64>,
+    ) -> Option<Self> {
+        let wide = linearisation.policy.wide;
+        let found =
+            Restricted::new(linearisation, extra, 1.0 / (wide * wide)).on_grid(linearisation.noise)?;
+        Some(Likelihood {
+            deviance: found.deviance,
+            noise: found.noise(),
+            coefficients: found.coefficients,
+            covariance: found.covariance,
             extra: extra.clone(),
-            wide: linearisation.policy.wide,
-            prior,
+            wide,
+            prior: prior.clone(),
             rows: OnceLock::new(),
         })
     }

@@ -17,6 +17,7 @@ use crate::hypotheses::candidate::Candidate;
 use crate::hypotheses::change::Change;
 use crate::options::DiscoverOptions;
 use crate::policy::Policy;
+use crate::problem::anchor::Anchors;
 use crate::problem::evaluated::{Evaluated, Station};
 use crate::problem::noise::{Levers, Noise};
 use crate::problem::normal::Normal;
@@ -56,6 +57,8 @@ pub(crate) struct Linearisation<'a> {
     /// Sums over the numbers, once they are asked for.
     normal: OnceLock<Option<Normal>>,
     levers: OnceLock<Levers>,
+    /// The present model at the noises of its candidates, where the joints scatter.
+    anchors: Anchors,
 }
 
 impl<'a> Linearisation<'a> {
@@ -90,6 +93,7 @@ impl<'a> Linearisation<'a> {
             stations: Vec::new(),
             normal: OnceLock::new(),
             levers: OnceLock::new(),
+            anchors: Anchors::default(),
         };
         let (mut flat, mut y) = (Vec::new(), Vec::new());
         let mut rest = Equilibrium::new(model);
@@ -182,6 +186,11 @@ impl<'a> Linearisation<'a> {
         self.normal.get_or_init(|| Normal::of(&self.observations, self.data, (&self.base, &self.y))).as_ref()
     }
 
+    /// The present model at the noises of its candidates; of a problem that does not change any more.
+    pub fn anchors(&self) -> &Anchors {
+        &self.anchors
+    }
+
     /// The whitening of these numbers under a noise model.
     pub fn whitener(&self, noise: impl Into<Noise>) -> Whitener {
         let Noise { rows, joints } = noise.into();
@@ -249,6 +258,7 @@ impl<'a> Linearisation<'a> {
         self.prior = self.prior.map(|prior| prior.remove_columns_at(&out).remove_rows_at(&out));
         self.muted = muted;
         self.normal = OnceLock::new();
+        self.anchors = Anchors::default();
         Some(self)
     }
 
@@ -273,6 +283,7 @@ impl<'a> Linearisation<'a> {
         self.prior = Some(prior);
         self.wander = k;
         self.normal = OnceLock::new();
+        self.anchors = Anchors::default();
     }
 
     /// The columns of `base` that are those of a wander.

@@ -6,13 +6,14 @@
 //! | question | observations | columns | where |
 //! | --- | --- | --- | --- |
 //! | score of every candidate, V of the model | all | A eliminated once, one step in X | [`projection`], by pose in [`tables`] |
-//! | likelihood, V of the candidate | all | A, X | [`likelihood`], by groups that are alike in [`normal`] |
+//! | likelihood, V of the candidate | all | A, X | [`likelihood`], by groups that are alike in [`normal`]; where joints scatter [`restricted`], A eliminated once a noise ([`anchor`]) |
 //! | prediction of unseen poses | all but a fold | A, X | [`likelihood::Likelihood::held_out`] |
 //! | estimate on a half | a half | A, X | [`likelihood::Likelihood::on_halves`] |
 //! | error without some effects, or with another in their place | rows of the fit | some of A, X | [`linear`] |
 //!
 //! [`tables`], [`normal`] and the blocks of [`crate::census`] are accelerations: each has a test against whole matrices (`dense`).
 
+pub(crate) mod anchor;
 pub(crate) mod autocorrelation;
 #[cfg(test)]
 pub(crate) mod dense;
@@ -43,5 +44,6 @@ pub(crate) mod shared;
 #[cfg(test)]
 pub(crate) mod synthetic;
 pub(crate) mod tables;
+pub(crate) mod variance;
 pub(crate) mod wander;
 pub(crate) mod whitening;

@@ -270,7 +270,7 @@ impl Projection {
     where
         A: Storage<f64, Dyn, Dyn>,
     {
-        let left = raw - cross(along, along);
+        let left = raw - gram_matrix(&along.clone_owned());
         let total = raw.trace();
         if !(total > 0.0 && total.is_finite()) {
             return None;

@@ -154,7 +154,7 @@ fn squares(jacobian: &DMatrix<f64>, observations: &[Range<usize>]) -> Vec<f64> {
     let mut squares = vec![0.0; sites * sites * visits];
     for (visit, own) in observations.iter().enumerate() {
         let sees = jacobian.rows(own.start, own.len());
-        for (pair, square) in cross(&sees, &sees).iter().enumerate() {
+        for (pair, square) in sees.tr_mul(&sees).iter().enumerate() {
             squares[pair * visits + visit] = *square;
         }
     }

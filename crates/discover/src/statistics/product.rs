@@ -1,24 +1,16 @@
 //! Products of tall matrices through the blocked kernel.
 
-use nalgebra::{Cholesky, DMatrix, Dyn, Matrix, Storage};
+use nalgebra::{Cholesky, DMatrix, Dyn};
 use truepose_solvers::kernels;
 
 /// `Aᵀ B`.
-pub(crate) fn cross<A, B>(a: &Matrix<f64, Dyn, Dyn, A>, b: &Matrix<f64, Dyn, Dyn, B>) -> DMatrix<f64>
-where
-    A: Storage<f64, Dyn, Dyn>,
-    B: Storage<f64, Dyn, Dyn>,
-{
+pub(crate) fn cross(a: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {
     /// Up to so many columns, dot products are faster than packing.
     const THIN: usize = 5;
-    let (k, n) = (a.ncols(), b.ncols());
-    let mut out = DMatrix::zeros(k, n);
-    if k > THIN && n > THIN && a.nrows() > THIN {
-        out.gemm(1.0, &a.transpose(), b, 0.0);
-    } else {
-        out.gemm_tr(1.0, a, b, 0.0);
+    if a.ncols() <= THIN || b.ncols() <= THIN || a.nrows() <= THIN {
+        return a.tr_mul(b);
     }
-    out
+    kernels::cross(a, b)
 }
 
 /// `AᵀA`.

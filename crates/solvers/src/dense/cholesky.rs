@@ -31,6 +31,24 @@ pub(crate) fn gram_of(g: &mut DMatrix<f64>, rows: usize, stride: usize, numbers:
     );
 }
 
+/// AᵀB of two matrices with as many rows.
+pub fn cross(a: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {
+    let mut out = DMatrix::zeros(a.ncols(), b.ncols());
+    if a.nrows() == 0 || out.is_empty() {
+        return out;
+    }
+    let (rows, k, n) = (a.nrows(), a.ncols(), b.ncols());
+    faer::linalg::matmul::matmul(
+        MatMut::from_column_major_slice_mut(out.as_mut_slice(), k, n),
+        Accum::Replace,
+        MatRef::from_column_major_slice(a.as_slice(), rows, k).transpose(),
+        MatRef::from_column_major_slice(b.as_slice(), rows, n),
+        1.0,
+        Par::Seq,
+    );
+    out
+}
+
 /// Adds ± BᵀB to the lower triangle of `g`, B given row after row.
 pub(crate) fn gram_of_rows(g: &mut DMatrix<f64>, rows: &[f64], sign: f64) {
     let p = g.ncols();
