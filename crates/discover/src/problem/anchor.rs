@@ -143,6 +143,7 @@ fn back(lower: &DMatrix<f64>, scale: &[f64], mut columns: DMatrix<f64>) -> DMatr
 /// ```
 #[derive(Debug, Clone)]
 pub(crate) struct Grid {
+    start: Noise,
     /// u⁰, step and s of each component.
     each: Vec<(Component, [f64; 3])>,
 }
@@ -156,20 +157,18 @@ impl Grid {
             let (theta, error) = (component.of(start), 1.0 / information.sqrt());
             (component, [(theta / error).ln_1p(), STEP * error / (error + theta), error])
         };
-        Grid { each: information.iter().map(of).collect() }
+        Grid { start, each: information.iter().map(of).collect() }
     }
 
-    /// The nearest noise of the grid; a component about which nothing is known stays.
+    /// The nearest noise of the grid; a component about which nothing is known stays as at the start.
     pub fn nearest(&self, noise: Noise) -> Noise {
-        let mut near = noise;
+        let mut near = self.start;
         for &(component, [first, step, error]) in &self.each {
-            if error.is_finite() && error > 0.0 {
-                let u = (component.of(noise) / error).ln_1p();
-                let steps = ((u - first) / step).round();
-                // The start itself stays to the last bit.
-                if steps.abs() > 0.0 {
-                    component.set(&mut near, error * (first + steps * step).max(0.0).exp_m1());
-                }
+            let u = (component.of(noise) / error).ln_1p();
+            let steps = ((u - first) / step).round();
+            // None at all, too, is the start's to the last bit.
+            if steps.is_finite() && steps.abs() > 0.0 {
+                component.set(&mut near, error * (first + steps * step).max(0.0).exp_m1());
             }
         }
         near
@@ -205,5 +204,36 @@ impl Anchors {
             }
         };
         place.get_or_init(|| Anchor::new(problem, noise).map(Arc::new)).clone()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::problem::noise::JointNoise;
+    use truepose_identify::NoiseModel;
+
+    #[test]
+    fn noises_near_each_other_are_one() {
+        let rows = NoiseModel { position_sd: 2e-5, visit_sd: 0.0, orientation_sd: 4e-5 };
+        let start = Noise { rows, joints: JointNoise { turning: 3e-5, sliding: 0.0 } };
+        // Standard errors of a tenth of the variance.
+        let known = [Component::Rows, Component::Turning].map(|c| (c, (0.1 * c.of(start)).powi(-2)));
+        let grid = Grid::around(start, &known);
+        let moved = |rows: f64, turning: f64| {
+            let mut noise = start;
+            Component::Rows.set(&mut noise, rows * Component::Rows.of(start));
+            Component::Turning.set(&mut noise, turning * Component::Turning.of(start));
+            noise
+        };
+        assert_eq!(grid.nearest(moved(1.01, 0.99)), start);
+        let near = grid.nearest(moved(0.8, 1.003));
+        assert_eq!(near, grid.nearest(moved(0.805, 0.998)));
+        assert_eq!(near, grid.nearest(near));
+        assert!((Component::Rows.of(near) / Component::Rows.of(start) - 0.8).abs() < 0.013, "{near:?}");
+        assert_eq!(near.joints, start.joints);
+        // A component that is nothing stays on the grid.
+        let nothing = grid.nearest(moved(1.0, 0.0));
+        assert!(nothing.joints.turning.abs() < 1e-7 && nothing == grid.nearest(nothing));
     }
 }

@@ -109,10 +109,22 @@ impl Kind {
         }
     }
 
+    /// The key of a robot of this kind in a cell. Rows of the vocabulary have robots of their own, so that what is counted over them is counted over
+    /// independent noise; the cells of another kind are the same robots under other conditions.
+    pub fn key_in(self, cell: &str, half: Half, number: u64) -> Key {
+        let place = match self {
+            Kind::Words => {
+                self.cells().iter().position(|one| one == cell).map_or(0, |place| place as u64 + 1)
+            }
+            _ => 0,
+        };
+        Key { cell: place, ..self.key(half, number) }
+    }
+
     /// The key of a robot of this kind.
     pub fn key(self, half: Half, number: u64) -> Key {
         let kind = KINDS.iter().position(|kind| *kind == self).unwrap_or(0) as u64;
-        Key { half, series: 1, kind, number }
+        Key { half, series: 1, kind, cell: 0, number }
     }
 }
 

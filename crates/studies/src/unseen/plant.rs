@@ -44,6 +44,8 @@ pub struct Made {
     pub size: f64,
     /// Fresh configurations over the same time, with true positions.
     pub truth: Dataset,
+    /// The same as the instrument shows them: with what it adds, without noise.
+    pub shown: Dataset,
     /// The same noise and campaign without the cause, bad poses and outliers.
     pub clean: Dataset,
     /// The fresh configurations of the robot without the cause.
@@ -83,13 +85,16 @@ pub fn make(what: &Description, key: Key) -> Result<Made, Box<dyn Error>> {
     let seen = plant.observe(&ground.campaign, noise)?;
     let clean = ground.plant(None, false)?.observe(&ground.campaign, noise)?;
     let fresh = ground.clocked(ground.campaign(FRESH, 0, Part::Fresh)?);
+    let shown = |plant: &Plant| plant.observe(&fresh, key.seed(Part::Fresh));
     let exact = |plant: Plant| -> Result<Dataset, Box<dyn Error>> {
-        let mut seen = plant.observe(&fresh, key.seed(Part::Fresh))?;
+        let mut seen = shown(&plant)?;
         seen.data.position = seen.true_positions.iter().map(|p| (*p).into()).collect();
         seen.data.orientation.fill(None);
         Ok(ground.read(&seen.data))
     };
     let (truth, clean_truth) = (exact(ground.quiet(one)?)?, exact(ground.quiet(None)?)?);
+    let mut shown = shown(&ground.quiet(one)?)?.data;
+    shown.orientation.fill(None);
     let pieces = match &cause {
         Some(cause) => ground.pieces(cause, floor)?,
         None => Vec::new(),
@@ -103,6 +108,7 @@ pub fn make(what: &Description, key: Key) -> Result<Made, Box<dyn Error>> {
         data: ground.read(&seen.data),
         clean: ground.read(&clean.data),
         truth,
+        shown: ground.read(&shown),
         clean_truth,
         clean_declared: ground.declared(None),
         robot: if what.weights { ground.robot } else { ground.robot.without_weights()? },

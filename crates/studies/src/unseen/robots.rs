@@ -236,7 +236,7 @@ mod tests {
     fn every_robot_reaches_places_apart_and_no_two_are_alike() {
         let mut seen = Vec::new();
         for number in 0..24 {
-            let key = Key { half: Half::Tuning, series: 1, kind: 0, number };
+            let key = Key { half: Half::Tuning, series: 1, kind: 0, cell: 0, number };
             let make = MAKES[number as usize % 6];
             let robot = robot(make, 2, &mut key.draw(Part::Robot)).expect("a robot");
             let plant = Plant::perfect(&robot.chain).expect("a plant");

@@ -1,11 +1,12 @@
 //! The two halves of the study, and what is drawn from them.
 //!
 //! ```text
-//! generator    ChaCha8, key = (series − 1) · 2⁴⁸ + kind · 2⁴⁰ + number,   stream = constant of the half · 2³² + part
+//! generator    ChaCha8, key = (series − 1) · 2⁴⁸ + kind · 2⁴⁰ + cell · 2³² + number,   stream = constant of the half · 2³² + part
 //! seeds        63 bits of that generator, the highest bit = the half
 //! ```
 //!
-//! A robot is given by its half, its series, its kind and its number, and by nothing else. The halves have different streams of the
+//! A robot is given by its half, its series, its kind, its cell where cells have robots of their own (0 elsewhere) and its number, and by nothing
+//! else. The halves have different streams of the
 //! generator (no state of one is a state of the other), and seeds that are passed on to a plant or a campaign differ in
 //! their highest bit, so that no plant, campaign or noise of one half can occur in the other. A later series of a half is
 //! for a locked half that was looked at: other robots of the same description.
@@ -78,6 +79,8 @@ pub struct Key {
     pub series: u64,
     /// Number of the kind of campaign.
     pub kind: u64,
+    /// Number of the cell, from 1, where each cell has robots of its own; 0 where cells are the same robots under other conditions.
+    pub cell: u64,
     pub number: u64,
 }
 
@@ -85,7 +88,8 @@ impl Key {
     /// The generator of a part.
     pub fn draw(self, part: Part) -> Draw {
         let earlier = self.series.saturating_sub(1);
-        let mut rng = ChaCha8Rng::seed_from_u64(earlier << 48 | self.kind << 40 | self.number);
+        let mut rng =
+            ChaCha8Rng::seed_from_u64(earlier << 48 | self.kind << 40 | self.cell << 32 | self.number);
         rng.set_stream(self.half.constant() << 32 | part as u64);
         Draw(rng)
     }
@@ -157,7 +161,7 @@ mod tests {
     ];
 
     fn keys(half: Half, series: u64) -> impl Iterator<Item = Key> {
-        (0..12).flat_map(move |kind| (0..200).map(move |number| Key { half, series, kind, number }))
+        (0..12).flat_map(move |kind| (0..200).map(move |number| Key { half, series, kind, cell: 0, number }))
     }
 
     fn seeds(half: Half, series: u64) -> HashSet<u64> {
@@ -184,7 +188,7 @@ mod tests {
         assert!(first.is_disjoint(&second) && second.iter().all(|seed| seed >> 63 == 1));
         assert!(second.is_disjoint(&seeds(Half::Locked, 3)));
         // The first series is that of the tables that are published: its seeds do not change.
-        let key = Key { half: Half::Tuning, series: 1, kind: 2, number: 5 };
+        let key = Key { half: Half::Tuning, series: 1, kind: 2, cell: 0, number: 5 };
         let mut known = ChaCha8Rng::seed_from_u64(2 << 40 | 5);
         known.set_stream(0x5455_4e45 << 32 | Part::Noise as u64);
         assert_eq!(key.seed(Part::Noise), known.random::<u64>() >> 1);
@@ -192,7 +196,7 @@ mod tests {
 
     #[test]
     fn a_key_draws_the_same_numbers_again() {
-        let key = Key { half: Half::Tuning, series: 1, kind: 3, number: 17 };
+        let key = Key { half: Half::Tuning, series: 1, kind: 3, cell: 0, number: 17 };
         let numbers = |key: Key| {
             let mut draw = key.draw(Part::Robot);
             (0..20).map(|_| draw.normal().to_bits()).collect::<Vec<_>>()
@@ -200,6 +204,7 @@ mod tests {
         assert_eq!(numbers(key), numbers(key));
         assert_ne!(numbers(key), numbers(Key { half: Half::Locked, ..key }));
         assert_ne!(numbers(key), numbers(Key { number: 18, ..key }));
+        assert_ne!(numbers(key), numbers(Key { cell: 1, ..key }));
         assert_eq!(key.seed(Part::Noise), key.seed(Part::Noise));
     }
 

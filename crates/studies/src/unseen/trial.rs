@@ -30,7 +30,7 @@ pub struct Task {
 
 impl Task {
     pub fn of(kind: Kind, cell: &str, half: Half, number: u64) -> Self {
-        Task { kind, cell: cell.to_owned(), key: kind.key(half, number) }
+        Task { kind, cell: cell.to_owned(), key: kind.key_in(cell, half, number) }
     }
 
     /// What is hidden, where anything is.
@@ -214,8 +214,14 @@ fn against_truth(
         |&row: &usize| (made.seen.data.measured_position(row) - made.seen.true_positions[row]).norm_squared();
     let noise = (rows.iter().map(noise).sum::<f64>() / rows.len().max(1) as f64).sqrt();
     record.set("ratio", diagnosis.after.holdout.positions().rms / noise.max(1e-12));
-    // A held-out row has the error of the model and its own noise.
-    let expected = [trained, after].map(|error| 1e3 * error.hypot(made.floor));
+    // A held-out row has the error of the model, that of the instrument's beam included, and its own noise.
+    let [trained, after] = match beam {
+        true => {
+            [&diagnosis.declared.fitted, &diagnosis.fit.fitted].map(|fitted| fresh_error(&made.shown, fitted))
+        }
+        false => [Ok(trained), Ok(after)],
+    };
+    let expected = [1e3 * trained?.hypot(made.floor), 1e3 * after?.hypot(made.floor)];
     let inside = |ci: [f64; 2], truth: f64| (ci[0]..=ci[1]).contains(&truth);
     for (column, ci, truth) in [
         ("before_covered", reported.holdout_ci95[0], expected[0]),
