@@ -12,7 +12,6 @@
 //! These cost products with r² m terms; a candidate of k columns then costs r k m. Candidates meet at the same noises because their noise is sought
 //! on a grid ([`Grid`]).
 
-use crate::problem::joint_noise::prior_precision;
 use crate::problem::linearisation::Linearisation;
 use crate::problem::noise::Noise;
 use crate::problem::variance::{Component, Part, Parts};
@@ -124,6 +123,12 @@ pub(crate) fn unit(normal: &mut DMatrix<f64>, scale: &[f64]) {
 /// What makes each number of a diagonal one; one of none.
 pub(crate) fn scales<'d>(diagonal: impl IntoIterator<Item = &'d f64>) -> Vec<f64> {
     diagonal.into_iter().map(|&d| if d > 0.0 { 1.0 / d.sqrt() } else { 1.0 }).collect()
+}
+
+/// Precision of the prior of the present model's columns.
+pub(crate) fn prior_precision(linearisation: &Linearisation<'_>) -> DMatrix<f64> {
+    let r = linearisation.base.ncols();
+    linearisation.prior.as_ref().map_or_else(|| DMatrix::zeros(r, r), gram_matrix)
 }
 
 /// D L⁻ᵀ B.

@@ -17,7 +17,6 @@ use crate::problem::observation::Observation;
 use crate::problem::restricted::{Restricted, plain};
 use crate::problem::variance::Component;
 use crate::statistics::chi_square::surprisal;
-use crate::statistics::product::gram_matrix;
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 use std::sync::OnceLock;
@@ -35,12 +34,6 @@ pub struct JointRepeatability {
     pub at_tool: f64,
     /// What rows and poses scatter by beside them.
     pub(crate) rows: NoiseModel,
-}
-
-/// Precision of the prior of the present model's columns.
-pub(crate) fn prior_precision(linearisation: &Linearisation<'_>) -> DMatrix<f64> {
-    let r = linearisation.base.ncols();
-    linearisation.prior.as_ref().map_or_else(|| DMatrix::zeros(r, r), gram_matrix)
 }
 
 /// The scatter of the joints where it is significant.

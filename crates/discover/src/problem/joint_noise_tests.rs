@@ -2,8 +2,9 @@
 
 use crate::hypotheses::library::Library;
 use crate::options::DiscoverOptions;
+use crate::problem::anchor::prior_precision;
 use crate::problem::dense::Dense;
-use crate::problem::joint_noise::{BesideJoints, joint_repeatability, prior_precision};
+use crate::problem::joint_noise::{BesideJoints, joint_repeatability};
 use crate::problem::likelihood::Likelihood;
 use crate::problem::linearisation::Linearisation;
 use crate::problem::noise::{JointNoise, Noise};

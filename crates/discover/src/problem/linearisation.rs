@@ -17,19 +17,22 @@ use crate::hypotheses::candidate::Candidate;
 use crate::hypotheses::change::Change;
 use crate::options::DiscoverOptions;
 use crate::policy::Policy;
-use crate::problem::anchor::Anchors;
 use crate::problem::evaluated::{Evaluated, Station};
 use crate::problem::noise::{Levers, Noise};
 use crate::problem::normal::Normal;
 use crate::problem::observation::{Observation, typical_sd};
 use crate::problem::whitening::Whitener;
 use nalgebra::{DMatrix, DVector, Vector3};
+use std::any::Any;
 use std::borrow::Cow;
 use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 use truepose_errormodel::{AnyEffect, Dataset, Emission, Equilibrium, ErrorJacobian, FittedModel, Visits};
 use truepose_identify::Fit;
 use truepose_kinematics::{Chain, JointId, JointKind, PostureBuffer, Site, rotation_log};
+
+/// Of a type that this module does not know.
+type Kept = OnceLock<Arc<dyn Any + Send + Sync>>;
 
 /// The data, linearised at a fit.
 #[derive(Debug)]
@@ -57,8 +60,8 @@ pub(crate) struct Linearisation<'a> {
     /// Sums over the numbers, once they are asked for.
     normal: OnceLock<Option<Normal>>,
     levers: OnceLock<Levers>,
-    /// The present model at the noises of its candidates, where the joints scatter.
-    anchors: Anchors,
+    /// What others keep beside it.
+    kept: Kept,
 }
 
 impl<'a> Linearisation<'a> {
@@ -93,7 +96,7 @@ impl<'a> Linearisation<'a> {
             stations: Vec::new(),
             normal: OnceLock::new(),
             levers: OnceLock::new(),
-            anchors: Anchors::default(),
+            kept: Kept::new(),
         };
         let (mut flat, mut y) = (Vec::new(), Vec::new());
         let mut rest = Equilibrium::new(model);
@@ -186,9 +189,10 @@ impl<'a> Linearisation<'a> {
         self.normal.get_or_init(|| Normal::of(&self.observations, self.data, (&self.base, &self.y))).as_ref()
     }
 
-    /// The present model at the noises of its candidates; of a problem that does not change any more.
-    pub fn anchors(&self) -> &Anchors {
-        &self.anchors
+    /// What a later module keeps beside a problem that does not change any more; new each time if another type is kept already.
+    pub fn kept<T: Any + Default + Send + Sync>(&self) -> Arc<T> {
+        let kept = Arc::clone(self.kept.get_or_init(|| Arc::new(T::default())));
+        kept.downcast().unwrap_or_default()
     }
 
     /// The whitening of these numbers under a noise model.
@@ -258,7 +262,7 @@ impl<'a> Linearisation<'a> {
         self.prior = self.prior.map(|prior| prior.remove_columns_at(&out).remove_rows_at(&out));
         self.muted = muted;
         self.normal = OnceLock::new();
-        self.anchors = Anchors::default();
+        self.kept = Kept::new();
         Some(self)
     }
 
@@ -283,7 +287,7 @@ impl<'a> Linearisation<'a> {
         self.prior = Some(prior);
         self.wander = k;
         self.normal = OnceLock::new();
-        self.anchors = Anchors::default();
+        self.kept = Kept::new();
     }
 
     /// The columns of `base` that are those of a wander.

@@ -19,7 +19,7 @@
 //! Thompson and Cullis 1995), held at zero where the likelihood falls from there, and halved until the likelihood rises. Source of the
 //! likelihood: Patterson and Thompson (1971).
 
-use crate::problem::anchor::{Anchor, Grid, scales, unit};
+use crate::problem::anchor::{Anchor, Anchors, Grid, scales, unit};
 use crate::problem::linearisation::Linearisation;
 use crate::problem::noise::{JointNoise, Noise};
 use crate::problem::variance::{Component, Parts};
@@ -87,7 +87,7 @@ struct Noises<'a> {
 impl<'l> Restricted<'l> {
     /// Of a linearised problem with further raw columns (m × k), of which each coefficient has a prior of this precision.
     pub fn new(problem: &'l Linearisation<'l>, extra: &'l DMatrix<f64>, precision: f64) -> Self {
-        let parts = problem.anchors().parts(problem);
+        let parts = problem.kept::<Anchors>().parts(problem);
         Restricted { problem, parts, extra, precision, integrated: true }
     }
 
@@ -105,7 +105,7 @@ impl<'l> Restricted<'l> {
 
     /// The same on the grid of noises around a start, which all candidates share.
     pub fn on_grid(&self, start: Noise) -> Option<State> {
-        let anchors = self.problem.anchors();
+        let anchors = self.problem.kept::<Anchors>();
         let at = |noise| anchors.at(self.problem, noise);
         let alone = DMatrix::zeros(self.problem.len(), 0);
         let present = Restricted::new(self.problem, &alone, 0.0);

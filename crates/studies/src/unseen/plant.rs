@@ -42,9 +42,8 @@ pub struct Made {
     pub floor: f64,
     /// What the declared model cannot absorb, over the noise.
     pub size: f64,
-    /// Fresh configurations over the same time, with true positions.
+    /// Fresh configurations over the same time, with true positions, and as the instrument shows them without noise.
     pub truth: Dataset,
-    /// The same as the instrument shows them: with what it adds, without noise.
     pub shown: Dataset,
     /// The same noise and campaign without the cause, bad poses and outliers.
     pub clean: Dataset,
@@ -95,10 +94,7 @@ pub fn make(what: &Description, key: Key) -> Result<Made, Box<dyn Error>> {
     let (truth, clean_truth) = (exact(ground.quiet(one)?)?, exact(ground.quiet(None)?)?);
     let mut shown = shown(&ground.quiet(one)?)?.data;
     shown.orientation.fill(None);
-    let pieces = match &cause {
-        Some(cause) => ground.pieces(cause, floor)?,
-        None => Vec::new(),
-    };
+    let pieces = cause.as_ref().map_or(Ok(Vec::new()), |cause| ground.pieces(cause, floor))?;
     Ok(Made {
         pieces,
         quiet: ground.quiet(one)?,
