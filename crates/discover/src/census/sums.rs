@@ -77,142 +77,98 @@ fn of_several(
 
 /// Adds what a block of visits says of candidates whose unknowns stand side by side.
 fn add(sums: &mut [Sums], block: &Block<'_>, seen: &Seen) {
-    let visits = block.visits.clone();
-    let touched = Touched::of(block, seen);
-    let mut begins = 0;
-    let mut rest = block.beside.as_slice();
-    let mut columns = Vec::new();
-    for (candidate, sums) in sums.iter_mut().enumerate() {
-        let end = begins + sums.score.len();
-        let (mine, others) = rest.split_at(rest.partition_point(|said| said.column < end));
-        rest = others;
-        touched.add(sums, mine, begins);
-        columns.extend((begins..end).map(|column| (candidate, column - begins)));
-        begins = end;
-    }
-    let mut at_site = vec![Vec::new(); touched.sites.len()];
+    /// Visits whose products stay in a processor's cache.
+    const NEAR: usize = 8;
+    let mut touched = vec![None; seen.sites];
+    let mut sites = Vec::new();
     for said in &block.beside {
-        if let Some(site) = touched.places[said.site] {
-            at_site[site].push(said);
-        }
+        touched[said.site].get_or_insert_with(|| {
+            sites.push(said.site);
+            sites.len() - 1
+        });
     }
-    let mut along = DMatrix::zeros(seen.rank, visits.len());
-    for (site, entries) in touched.sites.iter().zip(&at_site) {
-        along.fill(0.0);
-        for (mut along, visit) in along.column_iter_mut().zip(visits.clone()) {
-            for number in seen.visits[visit].clone() {
-                let by = seen.site(number)[*site];
-                if by != 0.0 {
-                    along.iter_mut().zip(seen.base(number)).for_each(|(sum, base)| *sum += by * base);
-                }
-            }
+    let mut products: Vec<Products> = (0..NEAR).map(|_| Products::new(seen, sites.len())).collect();
+    let first = block.visits.start;
+    for begin in block.visits.clone().step_by(NEAR) {
+        let near = begin..(begin + NEAR).min(block.visits.end);
+        for (products, visit) in products.iter_mut().zip(near.clone()) {
+            products.fill(seen, visit, &sites);
         }
-        for entries in entries.chunks(WIDE) {
-            let said = DMatrix::from_fn(visits.len(), entries.len(), |visit, k| {
-                entries[k].factor * entries[k].values[visit]
-            });
-            for (product, said) in (&along * said).column_iter().zip(entries) {
-                let (candidate, own) = columns[said.column];
-                let mut into = sums[candidate].along.column_mut(own);
-                into += product;
+        let mut rest = block.beside.as_slice();
+        let mut begins = 0;
+        for sums in &mut *sums {
+            let end = begins + sums.score.len();
+            let (mine, others) = rest.split_at(rest.partition_point(|said| said.column < end));
+            rest = others;
+            for (products, visit) in products.iter().zip(near.clone()) {
+                products.add(sums, (mine, begins), visit - first, &touched);
             }
+            begins = end;
         }
     }
 }
 
-/// Unknowns whose product with a site's sums is one of two matrices that stay in a processor's cache.
-const WIDE: usize = 256;
-
-/// What the numbers of a block of visits say of an error at each of the sites that are touched.
-struct Touched {
-    sites: Vec<usize>,
-    /// Where in `sites` each site of the robot is.
-    places: Vec<Option<usize>>,
-    visits: usize,
-    /// J̃_vᵀJ̃_v, visit after visit for each pair of sites.
+/// What the numbers of one visit say of an error at each of some sites.
+struct Products {
+    /// A_vᵀJ̃_v, site after site.
+    along: Vec<f64>,
+    /// J̃_vᵀJ̃_v, site after site.
     squares: Vec<f64>,
-    /// J̃_vᵀr_v, visit after visit for each site.
+    /// J̃_vᵀr_v.
     scores: Vec<f64>,
 }
 
-impl Touched {
-    fn of(block: &Block<'_>, seen: &Seen) -> Self {
-        let (mut places, mut sites) = (vec![None; seen.sites], Vec::new());
-        for said in &block.beside {
-            places[said.site].get_or_insert_with(|| {
-                sites.push(said.site);
-                sites.len() - 1
-            });
-        }
-        let (visits, count) = (block.visits.len(), sites.len());
-        let (mut squares, mut scores) = (vec![0.0; count * count * visits], vec![0.0; count * visits]);
-        let mut by = vec![0.0; count];
-        for (at, visit) in block.visits.clone().enumerate() {
-            for number in seen.visits[visit].clone() {
-                let (site, residual) = (seen.site(number), seen.residual(number));
-                by.iter_mut().zip(&sites).for_each(|(by, &of)| *by = site[of]);
-                for (first, one) in by.iter().enumerate().filter(|(_, one)| **one != 0.0) {
-                    scores[first * visits + at] += one * residual;
-                    for (second, other) in by.iter().enumerate() {
-                        squares[(first * count + second) * visits + at] += one * other;
-                    }
-                }
-            }
-        }
-        Touched { sites, places, visits, squares, scores }
+impl Products {
+    fn new(seen: &Seen, sites: usize) -> Self {
+        let zeros = |count: usize| vec![0.0; count];
+        Products { along: zeros(seen.rank * sites), squares: zeros(sites * sites), scores: zeros(sites) }
     }
 
-    /// Adds what the entries of a candidate, of which `first` is the first unknown, say of its XᵀX and Xᵀr.
-    fn add(&self, sums: &mut Sums, entries: &[Said<'_>], first: usize) {
-        let (count, visits) = (self.sites.len(), self.visits);
-        let mut weighed = vec![0.0; visits];
-        let mut acts = Vec::with_capacity(visits);
+    fn fill(&mut self, seen: &Seen, visit: usize, sites: &[usize]) {
+        let all = [&mut self.along, &mut self.squares, &mut self.scores];
+        all.into_iter().for_each(|numbers| numbers.fill(0.0));
+        let mut at_sites = vec![0.0; sites.len()];
+        for number in seen.visits[visit].clone() {
+            let (base, site, residual) = (seen.base(number), seen.site(number), seen.residual(number));
+            at_sites.iter_mut().zip(sites).for_each(|(at, &of)| *at = site[of]);
+            for (k, &by) in at_sites.iter().enumerate().filter(|(_, by)| **by != 0.0) {
+                let along = &mut self.along[k * base.len()..][..base.len()];
+                along.iter_mut().zip(base).for_each(|(sum, base)| *sum += by * base);
+                let squares = &mut self.squares[k * sites.len()..][..sites.len()];
+                squares.iter_mut().zip(&at_sites).for_each(|(sum, other)| *sum += by * other);
+                self.scores[k] += by * residual;
+            }
+        }
+    }
+
+    /// Adds what a candidate's entries, of which `first` is the first unknown, say of the visit at this place of their block.
+    fn add(
+        &self,
+        sums: &mut Sums,
+        (entries, first): (&[Said<'_>], usize),
+        at: usize,
+        touched: &[Option<usize>],
+    ) {
+        let (rank, count) = (sums.along.nrows(), self.scores.len());
         for (k, said) in entries.iter().enumerate() {
-            let Some(site) = self.places[said.site] else { continue };
-            // Pieces of curves are nothing at most postures.
-            acts.clear();
-            acts.extend((0..visits).filter(|&visit| said.values[visit] != 0.0));
-            let sparse = DENSE * acts.len() < visits;
+            let (Some(site), value) = (touched[said.site], said.factor * said.values[at]) else { continue };
+            if value == 0.0 {
+                continue;
+            }
             let a = said.column - first;
-            sums.score[a] += said.factor * dot(said.values, &self.scores[site * visits..][..visits]);
-            let mut weighed_at = None;
-            for (further, other) in entries[k..].iter().enumerate() {
-                let Some(there) = self.places[other.site] else { continue };
-                let squares = &self.squares[(site * count + there) * visits..][..visits];
-                let sum = if sparse {
-                    acts.iter().map(|&at| said.values[at] * squares[at] * other.values[at]).sum()
-                } else {
-                    if weighed_at.replace(there) != Some(there) {
-                        (0..visits).for_each(|at| weighed[at] = said.values[at] * squares[at]);
-                    }
-                    dot(&weighed, other.values)
-                };
-                let product: f64 = said.factor * other.factor * sum;
+            sums.score[a] += value * self.scores[site];
+            let into = &mut sums.along.as_mut_slice()[a * rank..(a + 1) * rank];
+            let along = &self.along[site * rank..(site + 1) * rank];
+            into.iter_mut().zip(along).for_each(|(sum, along)| *sum += value * along);
+            let squares = &self.squares[site * count..(site + 1) * count];
+            sums.raw[(a, a)] += value * value * squares[site];
+            for other in &entries[k + 1..] {
+                let Some(there) = touched[other.site] else { continue };
+                let product = value * other.factor * other.values[at] * squares[there];
                 let b = other.column - first;
                 sums.raw[(a, b)] += product;
-                if further > 0 {
-                    sums.raw[(b, a)] += product;
-                }
+                sums.raw[(b, a)] += product;
             }
         }
     }
-}
-
-/// A function that acts at fewer than one visit in so many is summed over those alone.
-const DENSE: usize = 4;
-
-/// Of equally long numbers; in eight sums, which a processor adds at once.
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let ((a, last), (b, other)) = (a.as_chunks::<8>(), b.as_chunks::<8>());
-    let mut sums = [0.0; 8];
-    for (a, b) in a.iter().zip(b) {
-        for k in 0..8 {
-            sums[k] += a[k] * b[k];
-        }
-    }
-    let mut sum = sums.iter().sum::<f64>();
-    for (a, b) in last.iter().zip(other) {
-        sum += a * b;
-    }
-    sum
 }

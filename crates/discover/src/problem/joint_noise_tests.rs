@@ -205,7 +205,7 @@ fn the_grid_has_a_noise_near_the_best_for_every_candidate() {
         let x = linearisation.columns_of(candidate).unwrap();
         let restricted = Restricted::new(&linearisation, &x, 1e-4);
         let best = restricted.fitted(linearisation.noise, true).unwrap();
-        let near = restricted.on_grid(linearisation.noise).unwrap();
+        let near = restricted.on_grid().unwrap();
         let behind = near.restricted - best.restricted;
         assert!((-0.05..0.25).contains(&behind), "{}: {behind}", candidate.words());
         noises.push(near.noise());

@@ -131,8 +131,7 @@ impl Likelihood {
         prior: &DMatrix<f64>,
     ) -> Option<Self> {
         let wide = linearisation.policy.wide;
-        let found =
-            Restricted::new(linearisation, extra, 1.0 / (wide * wide)).on_grid(linearisation.noise)?;
+        let found = Restricted::new(linearisation, extra, 1.0 / (wide * wide)).on_grid()?;
         Some(Likelihood {
             deviance: found.deviance,
             noise: found.noise(),

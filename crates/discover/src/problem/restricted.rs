@@ -24,7 +24,7 @@ use crate::problem::linearisation::Linearisation;
 use crate::problem::noise::{JointNoise, Noise};
 use crate::problem::variance::{Component, Parts};
 use crate::statistics::product::{cholesky, cross};
-use crate::statistics::triangular::solve_lower;
+use crate::statistics::triangular::{inverse_lower, solve_lower};
 use nalgebra::{DMatrix, DVector};
 use std::sync::Arc;
 use truepose_identify::NoiseModel;
@@ -103,15 +103,17 @@ impl<'l> Restricted<'l> {
         self.climbed(start, joints, &Noises { anchor: &anchor, nearest: &|noise| noise })
     }
 
-    /// The same on the grid of noises around a start, which all candidates share.
-    pub fn on_grid(&self, start: Noise) -> Option<State> {
-        let anchors = self.problem.kept::<Anchors>();
+    /// The same on the grid of noises around that of the present model, which all candidates share.
+    pub fn on_grid(&self) -> Option<State> {
+        let (anchors, start) = (self.problem.kept::<Anchors>(), self.problem.noise);
         let at = |noise| anchors.at(self.problem, noise);
-        let alone = DMatrix::zeros(self.problem.len(), 0);
-        let present = Restricted::new(self.problem, &alone, 0.0);
-        let Derivatives { components, information, .. } = present.derivatives(&present.at(at(start)?)?);
-        let known: Vec<_> = components.into_iter().zip(information.diagonal().iter().copied()).collect();
-        let grid = Grid::around(start, &known);
+        let grid = anchors.grid(|| {
+            let alone = DMatrix::zeros(self.problem.len(), 0);
+            let present = Restricted::new(self.problem, &alone, 0.0);
+            let Derivatives { components, information, .. } = present.derivatives(&present.at(at(start)?)?);
+            let known: Vec<_> = components.into_iter().zip(information.diagonal().iter().copied()).collect();
+            Some(Grid::around(start, &known))
+        })?;
         self.climbed(start, true, &Noises { anchor: &at, nearest: &|noise| grid.nearest(noise) })
     }
 
@@ -186,9 +188,7 @@ impl<'l> Restricted<'l> {
         // P X = Wᵀ W (X − A C⁻¹ AᵀV⁻¹X), turned by D L⁻ᵀ.
         let mut taken = whitener.of(&(self.extra - base * anchor.solved(turned)));
         whitener.apply_transposed(&mut taken);
-        let mut inverse = DMatrix::identity(k, k);
-        solve_lower(&lower, &mut inverse);
-        let mut inverse = inverse.transpose();
+        let mut inverse = inverse_lower(&lower).transpose();
         for (mut row, scale) in inverse.row_iter_mut().zip(&scale) {
             row *= *scale;
         }

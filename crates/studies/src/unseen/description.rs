@@ -356,6 +356,14 @@ mod tests {
     }
 
     #[test]
+    fn rows_of_the_vocabulary_have_robots_of_their_own() {
+        let key = |kind: Kind, cell: usize| kind.key_in(&kind.cells()[cell], Half::Tuning, 3);
+        assert_ne!(key(Kind::Words, 0), key(Kind::Words, 1));
+        assert_ne!(key(Kind::Words, 0), Kind::Words.key(Half::Tuning, 3));
+        assert_eq!(key(Kind::Power, 0), key(Kind::Power, 1));
+    }
+
+    #[test]
     fn cells_are_what_they_are_called() {
         let of = |kind: Kind, cell: &str| Description::of(kind, cell, kind.key(Half::Tuning, 3));
         let swept = of(Kind::Memory, "0.4 swept");

@@ -4,7 +4,7 @@
 //! are no noise.
 
 use super::cause::Cause;
-use super::compliances::compliances;
+use super::compliances::{compliances, joint_loads};
 use super::description::{Description, Order};
 use super::hidden::Hidden;
 use super::pieces::Piece;
@@ -16,7 +16,7 @@ use truepose_errormodel::{
     AnyEffect, Dataset, DwellTolerance, ErrorModel, FittedModel, approach_from_order, visits_from_rows,
 };
 use truepose_identify::{FitOptions, Residuals, fit};
-use truepose_kinematics::{Chain, Conditions, JointId, JointKind};
+use truepose_kinematics::{Chain, JointId, JointKind};
 use truepose_simulate::description::{InstrumentSize, PlantOptions, RepeatabilitySize, ShopDay};
 use truepose_simulate::flaws::{self, Flaws};
 use truepose_simulate::{Campaign, ChannelPlan, Observation, Plant, Wander};
@@ -42,8 +42,9 @@ pub struct Made {
     pub floor: f64,
     /// What the declared model cannot absorb, over the noise.
     pub size: f64,
-    /// Fresh configurations over the same time, with true positions, and as the instrument shows them without noise.
+    /// Fresh configurations over the same time, with true positions.
     pub truth: Dataset,
+    /// The same as the instrument shows them: with what it adds, without noise.
     pub shown: Dataset,
     /// The same noise and campaign without the cause, bad poses and outliers.
     pub clean: Dataset,
@@ -113,19 +114,6 @@ pub fn make(what: &Description, key: Key) -> Result<Made, Box<dyn Error>> {
         hidden: cause.map(|cause| cause.hidden),
         floor,
     })
-}
-
-/// Largest load of each movable joint over random postures, N·m or N.
-fn joint_loads(robot: &Robot) -> Result<Vec<f64>, Box<dyn Error>> {
-    let plant = Plant::perfect(&robot.chain)?;
-    let mut largest = vec![0.0f64; robot.chain.movable().len()];
-    for visit in Campaign::halton(&robot.chain, 40)?.visits {
-        let loads = plant.joint_loads(&Conditions::at(&robot.chain, &visit.joints))?;
-        for (most, load) in largest.iter_mut().zip(loads) {
-            *most = most.max(load.abs());
-        }
-    }
-    Ok(largest)
 }
 
 impl Ground<'_> {
@@ -354,6 +342,10 @@ mod tests {
             assert_eq!(made.seen.data.visit.last().map(|v| v + 1), Some(25 + what.repeats));
         }
         let (_, null) = of(Kind::Null, "", 2);
+        // Without a beam the instrument shows what is there.
+        let apart =
+            |row: usize| (null.shown.measured_position(row) - null.truth.measured_position(row)).norm();
+        assert!((0..null.truth.len()).all(|row| apart(row) < 1e-12));
         // A dense fit of the clean record predicts the truth far below the noise of a row.
         let options = FitOptions { prior: PriorStrength::VarianceGroups, ..FitOptions::default() };
         let fitted = declared_fit(&null.robot.chain, &null.declared, &null.clean, &options).expect("a fit");

@@ -193,7 +193,6 @@ fn against_truth(
     let after = fresh_error(&made.truth, &fitted)?;
     let declared = declared_fit(&made.robot.chain, &made.declared, &made.data, &options)?;
     let declared = fresh_error(&made.truth, &declared)?;
-    let trained = fresh_error(&made.truth, &diagnosis.declared.fitted)?;
     // The error of estimation alone: the declared model on the same noise, with nothing hidden.
     let alone = match (&made.hidden, made.seen.bad_poses.len() + made.seen.outliers.len()) {
         (None, 0) => declared,
@@ -215,13 +214,10 @@ fn against_truth(
     let noise = (rows.iter().map(noise).sum::<f64>() / rows.len().max(1) as f64).sqrt();
     record.set("ratio", diagnosis.after.holdout.positions().rms / noise.max(1e-12));
     // A held-out row has the error of the model, that of the instrument's beam included, and its own noise.
-    let [trained, after] = match beam {
-        true => {
-            [&diagnosis.declared.fitted, &diagnosis.fit.fitted].map(|fitted| fresh_error(&made.shown, fitted))
-        }
-        false => [Ok(trained), Ok(after)],
-    };
-    let expected = [1e3 * trained?.hypot(made.floor), 1e3 * after?.hypot(made.floor)];
+    let mut expected = [0.0; 2];
+    for (expected, fit) in expected.iter_mut().zip([&diagnosis.declared, &diagnosis.fit]) {
+        *expected = 1e3 * fresh_error(&made.shown, &fit.fitted)?.hypot(made.floor);
+    }
     let inside = |ci: [f64; 2], truth: f64| (ci[0]..=ci[1]).contains(&truth);
     for (column, ci, truth) in [
         ("before_covered", reported.holdout_ci95[0], expected[0]),
