@@ -5,7 +5,7 @@ use crate::census::all_rows::AllRows;
 use crate::census::blocks::Blocks;
 use crate::error::DiscoverError;
 use crate::options::DiscoverOptions;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DMatrixView, DVector};
 use std::ops::Range;
 use truepose_errormodel::effects::Geometric;
 use truepose_errormodel::{Dataset, ErrorModel, Visits};
@@ -65,6 +65,25 @@ impl Seen {
     /// What is left of a number.
     pub fn residual(&self, number: usize) -> f64 {
         self.all(number)[self.rank + self.sites]
+    }
+
+    /// The numbers of successive visits.
+    pub fn numbers_of(&self, visits: Range<usize>) -> Range<usize> {
+        match self.visits.get(visits) {
+            Some([first, .., last]) => first.start..last.end,
+            Some([one]) => one.clone(),
+            _ => 0..0,
+        }
+    }
+
+    /// What the model's coefficients do to some numbers, r × numbers.
+    pub fn bases(&self, numbers: Range<usize>) -> DMatrixView<'_, f64> {
+        self.numbers.view((0, numbers.start), (self.rank, numbers.len()))
+    }
+
+    /// What is left of some numbers.
+    pub fn residuals(&self, numbers: Range<usize>) -> DVector<f64> {
+        DVector::from_iterator(numbers.len(), numbers.map(|number| self.residual(number)))
     }
 
     fn all(&self, number: usize) -> &[f64] {

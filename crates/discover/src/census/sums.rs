@@ -4,7 +4,8 @@
 //! AᵀX = Σ_v (A_vᵀJ̃_v) Φ_v,   XᵀX = Σ_v Φ_vᵀ (J̃_vᵀJ̃_v) Φ_v,   Xᵀr = Σ_v Φ_vᵀ (J̃_vᵀr_v)
 //! ```
 //!
-//! The products in brackets are made once for all candidates of a pass, at the sites that these touch, and no column of a candidate is formed. Φ is
+//! The products in brackets are made once for all candidates of a pass, at the sites that these touch, and no column of a candidate is formed. Only
+//! where an unknown acts at more sites than a visit has numbers, as a compliance of every link does, its columns in the block are fewer numbers. Φ is
 //! taken at the first row of a visit, as in a screen ([`crate::problem::tables`]); the tests that decide take every row for itself
 //! ([`crate::census::proof`]).
 
@@ -17,6 +18,7 @@ use crate::hypotheses::candidate::Candidate;
 use crate::options::DiscoverOptions;
 use crate::problem::emitted::{Block, Emitted, Said};
 use crate::problem::tables::Sums;
+use crate::statistics::product::gram_matrix;
 use nalgebra::{DMatrix, DVector};
 use truepose_errormodel::Dataset;
 
@@ -75,35 +77,77 @@ fn of_several(
     Ok(whole)
 }
 
+/// A candidate's sums, and what its unknowns, of which `first` is the first, say of a block of visits.
+struct Part<'s> {
+    sums: &'s mut Sums,
+    first: usize,
+    entries: &'s [Said<'s>],
+}
+
 /// Adds what a block of visits says of candidates whose unknowns stand side by side.
 fn add(sums: &mut [Sums], block: &Block<'_>, seen: &Seen) {
+    let numbers = seen.numbers_of(block.visits.clone());
+    let (mut few, mut first, mut rest) = (Vec::new(), 0, block.beside.as_slice());
+    for sums in sums {
+        let width = sums.score.len();
+        let (entries, others) = rest.split_at(rest.partition_point(|said| said.column < first + width));
+        let part = Part { sums, first, entries };
+        // Products take each pair of entries of a visit, columns each pair of unknowns in each number.
+        match entries.len() * block.visits.len() > width * numbers.len() {
+            true => part.add_columns(block, seen),
+            false => few.push(part),
+        }
+        (first, rest) = (first + width, others);
+    }
+    add_products(&mut few, block, seen);
+}
+
+impl Part<'_> {
+    /// With the columns of the block, numbers × unknowns.
+    fn add_columns(self, block: &Block<'_>, seen: &Seen) {
+        let numbers = seen.numbers_of(block.visits.clone());
+        let mut columns = DMatrix::zeros(numbers.len(), self.sums.score.len());
+        for said in self.entries {
+            let mut column = columns.column_mut(said.column - self.first);
+            for (visit, value) in block.visits.clone().zip(said.values) {
+                let value = said.factor * value;
+                if value != 0.0 {
+                    for number in seen.visits[visit].clone() {
+                        column[number - numbers.start] += value * seen.site(number)[said.site];
+                    }
+                }
+            }
+        }
+        let Sums { along, raw, score } = self.sums;
+        along.gemm(1.0, &seen.bases(numbers.clone()), &columns, 1.0);
+        *raw += gram_matrix(&columns);
+        score.gemv_tr(1.0, &columns, &seen.residuals(numbers), 1.0);
+    }
+}
+
+/// Adds what a block of visits says by products of single entries.
+fn add_products(parts: &mut [Part<'_>], block: &Block<'_>, seen: &Seen) {
     /// Visits whose products stay in a processor's cache.
     const NEAR: usize = 8;
     let mut touched = vec![None; seen.sites];
     let mut sites = Vec::new();
-    for said in &block.beside {
+    for said in parts.iter().flat_map(|part| part.entries) {
         touched[said.site].get_or_insert_with(|| {
             sites.push(said.site);
             sites.len() - 1
         });
     }
     let mut products: Vec<Products> = (0..NEAR).map(|_| Products::new(seen, sites.len())).collect();
-    let first = block.visits.start;
-    for begin in block.visits.clone().step_by(NEAR) {
-        let near = begin..(begin + NEAR).min(block.visits.end);
+    let begin = block.visits.start;
+    for from in block.visits.clone().step_by(NEAR) {
+        let near = from..(from + NEAR).min(block.visits.end);
         for (products, visit) in products.iter_mut().zip(near.clone()) {
             products.fill(seen, visit, &sites);
         }
-        let mut rest = block.beside.as_slice();
-        let mut begins = 0;
-        for sums in &mut *sums {
-            let end = begins + sums.score.len();
-            let (mine, others) = rest.split_at(rest.partition_point(|said| said.column < end));
-            rest = others;
+        for Part { sums, first, entries } in &mut *parts {
             for (products, visit) in products.iter().zip(near.clone()) {
-                products.add(sums, (mine, begins), visit - first, &touched);
+                products.add(sums, (entries, *first), visit - begin, &touched);
             }
-            begins = end;
         }
     }
 }

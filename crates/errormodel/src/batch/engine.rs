@@ -316,7 +316,7 @@ impl<'m> Lanes<'m> {
         // What depends on no frame is asked at the nominal posture, as it is row by row.
         let settling = pace == Pace::Settling;
         asked.set(asked.get() || settling);
-        let from = self.emission.mark();
+        self.emission.begin(model.columns().len(), model.chain());
         for (lane, &row) in self.standing.rows.iter().enumerate() {
             data.conditions_into(row, &mut self.conditions);
             let (store, seat) = (&self.store, &mut self.seat);
@@ -327,7 +327,7 @@ impl<'m> Lanes<'m> {
             };
             self.said.clear();
             those.iter().for_each(|&k| self.bound.emit_effect(k, &posture, &mut self.said));
-            self.emission.take(lane, self.said.entries(), from, model.chain());
+            self.emission.take(lane, self.said.entries(), model.chain());
         }
     }
 
@@ -348,12 +348,13 @@ impl<'m> Lanes<'m> {
     fn row_by_row(&mut self, data: &Dataset, coefficients: &[f64]) {
         let chain = self.bound.model().chain();
         self.emission.clear();
+        self.emission.begin(self.bound.model().columns().len(), chain);
         self.errors.clear();
         self.store.turn(chain, &self.joints);
         for (lane, &row) in self.standing.rows.iter().enumerate() {
             data.conditions_into(row, &mut self.conditions);
             self.rest.settle(&self.bound, &self.conditions, coefficients);
-            self.emission.take(lane, self.rest.emission().entries(), 0, chain);
+            self.emission.take(lane, self.rest.emission().entries(), chain);
             self.errors.take(lane, self.rest.errors(), chain);
         }
         self.store.walk(chain, &self.joints, &self.errors, self.standing.rows.len());

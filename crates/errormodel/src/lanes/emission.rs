@@ -26,6 +26,8 @@ pub struct LaneEmission {
     /// Value k: `LANES` numbers; value 0 is one everywhere.
     values: Vec<f64>,
     first_column: usize,
+    /// The value of each column at each site that was taken lane by lane.
+    places: Vec<Option<LaneValue>>,
 }
 
 impl LaneEmission {
@@ -34,7 +36,7 @@ impl LaneEmission {
 
     /// Without entries.
     pub(crate) fn new() -> Self {
-        LaneEmission { entries: Vec::new(), values: vec![1.0; LANES], first_column: 0 }
+        LaneEmission { entries: Vec::new(), values: vec![1.0; LANES], first_column: 0, places: Vec::new() }
     }
 
     pub(crate) fn clear(&mut self) {
@@ -156,28 +158,56 @@ impl LaneEmission {
         self.values.len() / LANES
     }
 
-    /// The entries of one lane, which another way of asking has found; those of the same effect begin at this mark.
-    pub(crate) fn take(&mut self, lane: usize, entries: &[Entry], from: usize, chain: &Chain) {
-        let mut next = from;
+    /// Begins to take what another way of asking finds, lane by lane, of the columns of a model.
+    pub(crate) fn begin(&mut self, columns: usize, chain: &Chain) {
+        self.places.clear();
+        self.places.resize(columns * chain.site_count(), None);
+    }
+
+    /// The entries of one lane. Lanes may speak of different columns, as of different pieces of a curve: what all of them say of a column at a site is one
+    /// entry.
+    pub(crate) fn take(&mut self, lane: usize, entries: &[Entry], chain: &Chain) {
         for entry in entries {
-            let same = |known: &LaneEntry| {
-                known.column as usize == entry.column
-                    && chain.site_index(known.site) == chain.site_index(entry.site)
+            let place = entry.column * chain.site_count() + chain.site_index(entry.site);
+            let value = match self.places[place] {
+                Some(value) => value,
+                None => {
+                    let value = self.value(|_| {});
+                    self.places[place] = Some(value);
+                    let (column, site) = (entry.column as u32, entry.site);
+                    self.entries.push(LaneEntry { column, site, value, factor: 1.0 });
+                    value
+                }
             };
-            // Lanes mostly speak of the same columns in the same order. A column may speak of a site twice.
-            let found = match self.entries.get(next) {
-                Some(known) if same(known) => Some(next),
-                _ => self.entries[next.min(self.entries.len())..].iter().position(same).map(|k| next + k),
-            };
-            let at = found.unwrap_or_else(|| {
-                let value = self.value(|_| {});
-                let (column, site) = (entry.column as u32, entry.site);
-                self.entries.push(LaneEntry { column, site, value, factor: 1.0 });
-                self.entries.len() - 1
-            });
-            self.values[self.entries[at].value.0 as usize * LANES + lane] += entry.value;
-            // An entry that was put at the end leaves the order as it was.
-            next = if found.is_some() { at + 1 } else { next };
+            self.values[value.0 as usize * LANES + lane] += entry.value;
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use truepose_kinematics::samples;
+
+    #[test]
+    fn lanes_that_speak_of_different_columns_share_their_entries() {
+        let chain = samples::ur10();
+        let site = Site::Frame(FrameId(1), Axis::Rz);
+        let entry = |column: usize| Entry { column, site, value: 10.0 * column as f64 };
+        let mut emission = LaneEmission::new();
+        emission.begin(4, &chain);
+        // Pieces of a curve: two of them at each lane, in another order each time.
+        for (lane, columns) in [[2, 3], [0, 1], [1, 2], [3, 0]].into_iter().enumerate() {
+            emission.take(lane, &columns.map(entry), &chain);
+        }
+        let mut columns: Vec<u32> = emission.entries.iter().map(|entry| entry.column).collect();
+        columns.sort_unstable();
+        assert_eq!(columns, [0, 1, 2, 3]);
+        let of = |column: u32| {
+            let found = emission.entries.iter().find(|entry| entry.column == column);
+            found.map(|entry| emission.numbers(entry.value)[..4].to_vec())
+        };
+        assert_eq!(of(2), Some(vec![20.0, 0.0, 20.0, 0.0]));
+        assert_eq!(of(3), Some(vec![30.0, 0.0, 0.0, 30.0]));
     }
 }
