@@ -5,7 +5,7 @@
 //! ```
 //!
 //! The products in brackets are made once for all candidates of a pass, at the sites that these touch, and no column of a candidate is formed. Only
-//! where an unknown acts at more sites than a visit has numbers, as a compliance of every link does, its columns in the block are fewer numbers. Φ is
+//! where unknowns act at more sites than a visit has numbers, the columns of a block are formed, which are fewer numbers. Φ is
 //! taken at the first row of a visit, as in a screen ([`crate::problem::tables`]); the tests that decide take every row for itself
 //! ([`crate::census::proof`]).
 
