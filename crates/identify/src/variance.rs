@@ -21,6 +21,7 @@
 
 use crate::resolution::least_sd;
 use crate::{Freedom, NoiseModel, Residuals};
+use std::collections::HashMap;
 use truepose_errormodel::{Dataset, Visits};
 
 /// Degrees of freedom within visits below which nothing is estimated from them: two differences in space. One pair of rows that happen to be
@@ -34,31 +35,14 @@ pub fn estimate_noise(
     residuals: &Residuals,
     freedom: &Freedom,
 ) -> NoiseModel {
-    let mut axes = Vec::new();
-    for rows in &visits.rows {
-        for axis in 0..3 {
-            let members: Vec<(f64, f64)> = rows
-                .iter()
-                .filter_map(|&row| {
-                    let number = data.number(row, &residuals.position[row], axis)?;
-                    number.is_finite().then(|| (number, stated(data.position_sd[row][axis])))
-                })
-                .collect();
-            if !members.is_empty() {
-                axes.push(members);
-            }
-        }
-    }
+    let axes = Axes::of(data, visits, residuals);
     let (mut position_sd, mut visit_sd) = (0.0, 0.0);
     if freedom.within >= LEAST_WITHIN {
-        let largest = largest(axes.iter().flatten(), freedom.within);
-        position_sd = bisect(largest, |tau| {
-            axes.iter().filter(|m| m.len() > 1).map(|m| parted(m, tau).0).sum::<f64>() - freedom.within
-        });
+        position_sd = within(&axes, freedom.within);
         visit_sd = shared(&axes, position_sd, freedom.between);
     }
     if visit_sd <= 0.0 {
-        position_sd = excess(&axes.concat(), freedom.positions());
+        position_sd = excess(&axes.values, freedom.positions());
     }
     position_sd = position_sd.max(least_sd(data, visit_sd));
     let turns: Vec<(f64, f64)> = residuals
@@ -71,7 +55,7 @@ pub fn estimate_noise(
         .collect();
     let default = NoiseModel::default();
     NoiseModel {
-        position_sd: if axes.is_empty() { default.position_sd } else { position_sd },
+        position_sd: if axes.values.is_empty() { default.position_sd } else { position_sd },
         visit_sd,
         orientation_sd: if turns.is_empty() { default.orientation_sd } else { excess(&turns, freedom.turns) },
     }
@@ -79,6 +63,50 @@ pub fn estimate_noise(
 
 fn stated(sd: f64) -> f64 {
     if sd.is_nan() { 0.0 } else { sd }
+}
+
+/// What is left of the rows of each visit, an axis at a time, as (r, s).
+#[derive(Default)]
+struct Axes {
+    values: Vec<(f64, f64)>,
+    /// Where the rows of a visit and axis end.
+    ends: Vec<usize>,
+}
+
+impl Axes {
+    fn of(data: &Dataset, visits: &Visits, residuals: &Residuals) -> Self {
+        let mut axes = Axes::default();
+        for (rows, axis) in visits.rows.iter().flat_map(|rows| (0..3).map(move |axis| (rows, axis))) {
+            for &row in rows {
+                let number = data.number(row, &residuals.position[row], axis).filter(|r| r.is_finite());
+                axes.values.extend(number.map(|r| (r, stated(data.position_sd[row][axis]))));
+            }
+            if axes.ends.last().copied().unwrap_or(0) < axes.values.len() {
+                axes.ends.push(axes.values.len());
+            }
+        }
+        axes
+    }
+
+    fn each(&self) -> impl Iterator<Item = &[(f64, f64)]> {
+        let mut begin = 0;
+        self.ends.iter().map(move |&end| &self.values[std::mem::replace(&mut begin, end)..end])
+    }
+}
+
+/// The sum of what has the same second number, in order of first appearance: of a million rows most share what is stated, and a
+/// bisection asks sixty times.
+fn pooled(values: impl Iterator<Item = (f64, f64)>) -> Vec<(f64, f64)> {
+    let mut places = HashMap::new();
+    let mut sums: Vec<(f64, f64)> = Vec::new();
+    for (value, shared) in values {
+        let place = *places.entry(shared.to_bits()).or_insert(sums.len());
+        match sums.get_mut(place) {
+            Some((sum, _)) => *sum += value,
+            None => sums.push((value, shared)),
+        }
+    }
+    sums
 }
 
 /// |u|² − (d·u)²/|d|², (d·u)²/|d|² and |d|² of one visit's (r, s).
@@ -99,23 +127,40 @@ fn largest<'a>(values: impl Iterator<Item = &'a (f64, f64)>, freedom: f64) -> f6
     (values.map(|v| v.0 * v.0).sum::<f64>() / freedom.max(f64::MIN_POSITIVE)).sqrt()
 }
 
+/// The τ at which the whitened squares within visits add up.
+fn within(axes: &Axes, freedom: f64) -> f64 {
+    let (alike, mixed): (Vec<_>, Vec<_>) = axes
+        .each()
+        .filter(|members| members.len() > 1)
+        .partition(|members| members.iter().all(|(_, s)| s.to_bits() == members[0].1.to_bits()));
+    // Whose rows all state the same: Σr² − (Σr)²/n, over s² + τ².
+    let spread = |members: &[(f64, f64)]| {
+        let (sum, squares) =
+            members.iter().fold((0.0, 0.0), |(sum, squares), (r, _)| (sum + r, squares + r * r));
+        (squares - sum * sum / members.len() as f64).max(0.0)
+    };
+    let alike = pooled(alike.into_iter().map(|members| (spread(members), members[0].1)));
+    bisect(largest(axes.values.iter(), freedom), |tau| {
+        let of_alike = alike.iter().map(|(squares, s)| squares / (s * s + tau * tau).max(1e-24)).sum::<f64>();
+        of_alike + mixed.iter().map(|members| parted(members, tau).0).sum::<f64>() - freedom
+    })
+}
+
 /// The τ at which Σ r²/(s² + τ²) is `freedom`; zero when s alone explains them.
 fn excess(values: &[(f64, f64)], freedom: f64) -> f64 {
+    let squares = pooled(values.iter().map(|(r, s)| (r * r, *s)));
     let sum = |tau: f64| -> f64 {
-        values.iter().map(|&(r, s)| r * r / (s * s + tau * tau).max(f64::MIN_POSITIVE)).sum()
+        squares.iter().map(|(squares, s)| squares / (s * s + tau * tau).max(f64::MIN_POSITIVE)).sum()
     };
     bisect(largest(values.iter(), freedom), |tau| sum(tau) - freedom)
 }
 
 /// The ρ at which the whitened squares of the visits' means add up.
-fn shared(axes: &[Vec<(f64, f64)>], tau: f64, freedom: f64) -> f64 {
-    let means: Vec<(f64, f64)> = axes
-        .iter()
-        .map(|members| {
-            let (_, mean, weight) = parted(members, tau);
-            (mean, weight)
-        })
-        .collect();
+fn shared(axes: &Axes, tau: f64, freedom: f64) -> f64 {
+    let means = pooled(axes.each().map(|members| {
+        let (_, mean, weight) = parted(members, tau);
+        (mean, weight)
+    }));
     let sum =
         |rho: f64| -> f64 { means.iter().map(|(mean, weight)| mean / (1.0 + rho * rho * weight)).sum() };
     // A mean is no larger than what it is the mean of, and is weighed by no more than 1/ρ².
@@ -176,6 +221,33 @@ mod tests {
         let tau = (4e-5f64.powi(2) - 3e-5f64.powi(2)).sqrt();
         assert!((noise.position_sd / tau - 1.0).abs() < 0.04, "{noise:?}");
         assert!((noise.visit_sd / 5e-5 - 1.0).abs() < 0.03, "{noise:?}");
+    }
+
+    /// Of visits that state one deviation, of visits that state several, and of single rows, against the equations as they stand.
+    #[test]
+    fn rows_that_state_the_same_are_pooled_and_nothing_else_changes() {
+        let mut axes = Axes::default();
+        let value = |k: usize| ((k as f64 * 0.618_034).fract() - 0.5) * 3e-4;
+        for visit in 0..400 {
+            let stated = |k: usize| match visit % 4 {
+                0 => 2e-5,
+                1 => 1e-5 * (1 + k) as f64,
+                2 => 3e-5,
+                _ => 1e-7 * visit as f64,
+            };
+            axes.values.extend((0..1 + visit % 5).map(|k| (value(7 * visit + k), stated(k))));
+            axes.ends.push(axes.values.len());
+        }
+        let whole = |tau: f64| axes.each().filter(|m| m.len() > 1).map(|m| parted(m, tau).0).sum::<f64>();
+        let tau = within(&axes, 700.0);
+        assert!(tau > 1e-5 && (whole(tau) / 700.0 - 1.0).abs() < 1e-9, "{tau} {}", whole(tau));
+        let rho = shared(&axes, 0.2 * tau, 350.0);
+        let means = axes.each().map(|m| parted(m, 0.2 * tau));
+        let sum: f64 = means.map(|(_, mean, weight)| mean / (1.0 + rho * rho * weight)).sum();
+        assert!(rho > 1e-5 && (sum / 350.0 - 1.0).abs() < 1e-9, "{rho} {sum}");
+        let omega = excess(&axes.values, 1100.0);
+        let sum: f64 = axes.values.iter().map(|(r, s)| r * r / (s * s + omega * omega)).sum();
+        assert!(omega > 1e-5 && (sum / 1100.0 - 1.0).abs() < 1e-9, "{omega} {sum}");
     }
 
     /// Visits of single rows with deviation 5e-5, and so many pairs of rows that are the same to the bit.

@@ -57,17 +57,11 @@ pub fn visits_from_rows(data: &Dataset) -> Vec<usize> {
 pub fn configurations(data: &Dataset) -> Vec<usize> {
     let visits = Visits::of(data);
     // The joints as one number, in which what is within all tolerances differs by less than the width of a cell: of all others, hardly any
-    // are in the same cell or in one beside it.
-    let weight: Vec<f64> =
-        (0..data.joints.len()).map(|k| 0.5 + (0.618_033_988_749_895 * k as f64).fract()).collect();
-    let width: f64 = weight.iter().sum::<f64>() * (1.0 + 1e-9) + 1e-3;
-    let cell = |row: usize| {
-        let joints = data.joints.iter().zip(&weight).enumerate();
-        let place: f64 =
-            joints.map(|(k, (q, w))| w * q[row] / data.dwell.repeat_tolerance(k).max(1e-12)).sum();
-        (place / width).floor() as i64
-    };
-    let mut cells: HashMap<i64, Vec<usize>> = HashMap::new();
+    // are in the same cell or in one beside it. Of those a second number tells nearly all apart before their rows are read.
+    let [by_cell, beside_it] =
+        [0.618_033_988_749_895, 0.754_877_666_246_693].map(|share| Sum::new(data, share));
+    let cell = |row: usize| (by_cell.of(data, row) / by_cell.width).floor() as i64;
+    let mut cells: HashMap<i64, Vec<(f64, usize)>> = HashMap::new();
     // First row of each configuration.
     let mut first: Vec<usize> = Vec::new();
     visits
@@ -75,20 +69,42 @@ pub fn configurations(data: &Dataset) -> Vec<usize> {
         .iter()
         .map(|rows| {
             let row = rows[0];
-            let own = cell(row);
+            let (own, sum) = (cell(row), beside_it.of(data, row));
             let known = (-1..=1)
                 .filter_map(|beside| cells.get(&own.saturating_add(beside)))
                 .flatten()
-                .filter(|&&c| same_load(&data.load[first[c]], &data.load[row]))
-                .filter_map(|&c| Some((data.repeat_distance(first[c], row)?, c)))
+                // A comparison with what is no number is false.
+                .filter(|(other, _)| !((other - sum).abs() > beside_it.width))
+                .filter(|&&(_, c)| same_load(&data.load[first[c]], &data.load[row]))
+                .filter_map(|&(_, c)| Some((data.repeat_distance(first[c], row)?, c)))
                 .min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
             known.map(|(_, nearest)| nearest).unwrap_or_else(|| {
-                cells.entry(own).or_default().push(first.len());
+                cells.entry(own).or_default().push((sum, first.len()));
                 first.push(row);
                 first.len() - 1
             })
         })
         .collect()
+}
+
+/// A weighted sum of the joints, each in its tolerance.
+struct Sum {
+    weights: Vec<f64>,
+    /// What it differs by, at most, where each joint is within its tolerance.
+    width: f64,
+}
+
+impl Sum {
+    fn new(data: &Dataset, share: f64) -> Self {
+        let weights: Vec<f64> = (0..data.joints.len()).map(|k| 0.5 + (share * k as f64).fract()).collect();
+        let width = weights.iter().sum::<f64>() * (1.0 + 1e-9) + 1e-3;
+        Sum { weights, width }
+    }
+
+    fn of(&self, data: &Dataset, row: usize) -> f64 {
+        let joints = data.joints.iter().zip(&self.weights).enumerate();
+        joints.map(|(k, (q, w))| w * q[row] / data.dwell.repeat_tolerance(k).max(1e-12)).sum()
+    }
 }
 
 #[cfg(test)]
