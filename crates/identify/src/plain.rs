@@ -6,9 +6,9 @@
 //!
 //! What [`crate::fit`] does around it is worth its time where a person waits for an answer. Where thousands of fits are compared, or the
 //! question is only what the least squares are, this is the short way. The Gram matrix answers as long as it is fit to, and the triangular
-//! factor, which keeps all digits, otherwise.
+//! factor, which keeps all digits, otherwise; or all digits are asked for.
 
-use crate::linearise::{gram, left_over, triangular};
+use crate::linearise::{gram, left_over, refined, triangular};
 use crate::{IdentifyError, NoiseModel, Residuals};
 use nalgebra::DVector;
 use truepose_errormodel::{Dataset, ErrorModel, Visits};
@@ -19,7 +19,8 @@ use truepose_solvers::{ColumnScale, RankRule, Solution};
 pub enum Way {
     /// The Gram matrix, up to this condition number of the columns; beyond it, and where the rank is in doubt, the other one.
     Guarded(f64),
-    /// The triangular factor.
+    /// All digits: the Gram matrix, refined on the rows, where these show that what it takes for dependent is so
+    /// ([`truepose_solvers::accumulator::Gram::solve_refined`]), else the triangular factor.
     Stable(RankRule),
 }
 
@@ -38,11 +39,14 @@ pub struct Plain {
     pub kept: Vec<usize>,
     /// How often the model was linearised.
     pub rounds: usize,
-    /// Whether the Gram matrix gave the answer.
+    /// Whether the Gram matrix alone gave the answer.
     pub guarded: bool,
     /// Whether nothing moved any more in the last round.
     pub converged: bool,
 }
+
+/// Condition number of the columns up to which a Gram matrix is refined: each step takes away nine tenths of the error at least.
+const TRUSTED: f64 = 1e6;
 
 /// Steps shorter than this, relative to where they lead, are none.
 const STILL: f64 = 1e-10;
@@ -104,7 +108,12 @@ fn step(
                 return Ok((solution, true));
             }
         }
-        Way::Stable(own) => rule = own,
+        Way::Stable(own) => {
+            rule = own;
+            if let Some(solution) = refined(model, data, visits, noise, at, Some(columns), (TRUSTED, rule))? {
+                return Ok((solution, false));
+            }
+        }
     }
     let triangle = triangular(model, data, visits, noise, at, Some(columns))?;
     let (factor, order) = triangle.into_factor_in_any_order();

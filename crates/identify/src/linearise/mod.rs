@@ -16,7 +16,7 @@ pub(crate) use misfit::misfit;
 pub(crate) use rows::left_over_rows;
 pub use rows::{ByVisits, Rows, by_visits, collect};
 pub(crate) use stations::Stations;
-pub use sums::{dense, factorise, gram, left_out, left_over, triangular, triangular_of};
+pub use sums::{dense, factorise, gram, left_out, left_over, refined, triangular, triangular_of};
 
 #[cfg(test)]
 mod tests;

@@ -9,8 +9,8 @@ use rayon::prelude::*;
 use truepose_errormodel::batch::Lanes;
 use truepose_errormodel::lanes::LANES;
 use truepose_errormodel::{Dataset, ErrorModel, Visits};
-use truepose_solvers::Gram;
 use truepose_solvers::accumulator::{Factor, LeftOut, Triangular};
+use truepose_solvers::{Gram, RankRule, Solution};
 
 /// The triangular factor of `[A | r]` over all visits, over all columns or over these: as [`gram`], with all digits.
 ///
@@ -175,6 +175,39 @@ pub fn gram(
         whole.merge(&part)?;
     }
     Ok(whole)
+}
+
+/// The basic least squares of `[A | r]` over all visits by their Gram matrix, refined on the rows ([`Gram::solve_refined`]), which are kept for
+/// that; none where it cannot be had, or where they are too many to be kept.
+///
+/// # Errors
+/// When the model and the data do not fit, or a number is not finite.
+pub fn refined(
+    model: &ErrorModel,
+    data: &Dataset,
+    visits: &Visits,
+    noise: NoiseModel,
+    coefficients: &[f64],
+    columns: Option<&[usize]>,
+    (limit, rule): (f64, RankRule),
+) -> Result<Option<Solution>, IdentifyError> {
+    /// Numbers that are kept: 64 MB.
+    const MOST: usize = 1 << 23;
+    let mut blocks = Blocks::new(model, data, noise, coefficients, columns)?;
+    let width = blocks.width();
+    let numbers = 3 * (data.len() + data.orientation.iter().flatten().count());
+    if numbers.saturating_mul(width + 1) > MOST {
+        return Ok(None);
+    }
+    let Some(batches) = batches(data, visits, 0..visits.len()) else { return Ok(None) };
+    let wholes = blocks.wholes(&batches)?;
+    let mut gram = Gram::new(width, 1);
+    for whole in &wholes {
+        gram.update_columns(&whole.active, whole.rows, whole.rows, &whole.numbers)?;
+    }
+    gram.flush();
+    let parts = wholes.iter().map(|whole| (whole.active.as_slice(), whole.rows, whole.numbers.as_slice()));
+    Ok(gram.solve_refined(limit, rule, parts)?)
 }
 
 /// Residuals `y − y(c) − P J_e Φ δ` of every row, in metres and radians.

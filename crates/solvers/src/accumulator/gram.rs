@@ -12,6 +12,7 @@
 //! as its `resolution`. Take [`Triangular`](super::Triangular) wherever a rank is in question.
 
 mod guarded;
+mod refined;
 
 use super::Factor;
 use super::bytes::{Stored, read, write};

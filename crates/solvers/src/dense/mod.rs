@@ -15,7 +15,7 @@ pub use cholesky::{cholesky_lower, cross, gram, solve_lower_many, solve_upper_ma
 pub(crate) use householder::{Reflectors, fold};
 pub(crate) use norm::norm;
 pub(crate) use pivoted::{ordered_qr, pivoted_qr};
-pub(crate) use pivoted_cholesky::pivoted_cholesky;
+pub(crate) use pivoted_cholesky::{PivotedCholesky, pivoted_cholesky};
 pub(crate) use singular::{singular_values, svd};
 pub(crate) use triangle::{
     inverse_gram, solve_lower, solve_lower_transposed, solve_upper, solve_upper_transposed,

@@ -2,11 +2,14 @@
 
 use super::Gram;
 use crate::accumulator::Factor;
-use crate::dense::{cholesky_lower, pivoted_cholesky, solve_lower, solve_lower_many, solve_lower_transposed};
+use crate::dense::{
+    PivotedCholesky, cholesky_lower, pivoted_cholesky, solve_lower, solve_lower_many, solve_lower_transposed,
+};
 use crate::problem::check_len;
 use crate::solver::status_of_rank;
 use crate::{RankDecision, Solution, SolveError, SolverInfo};
 use nalgebra::{DMatrix, DVector};
+use std::borrow::Cow;
 
 /// How many times larger than round-off, and than what is dropped, the square of the last pivot has to be.
 const CLEAR: f64 = 100.0;
@@ -17,8 +20,17 @@ impl Gram {
     /// [`Triangular`](crate::accumulator::Triangular). `limit` is the highest condition number of the columns, brought to length one, that it
     /// is trusted with. What differs from other columns by less than 1e-7 of its length is not seen at all.
     pub fn solve_guarded(&self, k: usize, limit: f64) -> Result<Option<Solution>, SolveError> {
-        let p = self.columns;
         check_len("right-hand sides", self.rhs, k + 1)?;
+        let Some(clear) = self.clear(limit)? else { return Ok(None) };
+        let moments = clear.moments(k);
+        let reached: f64 = solve_lower(&clear.found.l, &moments).iter().map(|v| v * v).sum();
+        let square = clear.whole[(self.columns + k, self.columns + k)];
+        Ok(Some(clear.solution(clear.solve(&moments), (square - reached).max(0.0).sqrt())))
+    }
+
+    /// The columns that a Cholesky factor with the largest pivot first keeps; none where the guard refuses.
+    pub(super) fn clear(&self, limit: f64) -> Result<Option<Clear<'_>>, SolveError> {
+        let p = self.columns;
         let whole = self.flushed();
         let size: Vec<f64> =
             (0..p).map(|i| if whole[(i, i)] > 0.0 { 1.0 / whole[(i, i)].sqrt() } else { 1.0 }).collect();
@@ -40,35 +52,11 @@ impl Gram {
         }
         let floor = p as f64 * f64::EPSILON;
         let found = pivoted_cholesky(scaled, floor);
-        let rank = found.pivots.len();
         let last = found.pivots.last().copied().unwrap_or(1.0);
         if last * limit * limit < 1.0 || last < CLEAR * found.rest.max(floor) {
             return Ok(None);
         }
-        let kept = &found.order[..rank];
-        let moments: Vec<f64> = kept.iter().map(|&c| whole[(p + k, c)] * size[c]).collect();
-        let inner = solve_lower(&found.l, &moments);
-        let reached: f64 = inner.iter().map(|v| v * v).sum();
-        let inner = solve_lower_transposed(&found.l, inner.as_slice());
-        let mut x = DVector::zeros(p);
-        kept.iter().zip(inner.iter()).for_each(|(&c, v)| x[c] = v * size[c]);
-        let mut kept = kept.to_vec();
-        kept.sort_unstable();
-        let decision = RankDecision {
-            rank,
-            tolerance: floor.sqrt(),
-            last_kept: last.sqrt(),
-            first_dropped: found.rest.sqrt(),
-            gap: if found.rest > 0.0 { (last / found.rest).sqrt() } else { f64::INFINITY },
-            dropped: p - rank,
-        };
-        let info = SolverInfo {
-            residual_norm: (whole[(p + k, p + k)] - reached).max(0.0).sqrt(),
-            rank_decision: Some(decision),
-            kept: Some(kept),
-            ..SolverInfo::default()
-        };
-        Ok(Some(Solution { x, rank, status: status_of_rank(rank, p), info }))
+        Ok(Some(Clear { whole, size, found }))
     }
 
     /// `‖A R⁻¹‖²`, the trace of `R⁻ᵀ G R⁻¹`, with an upper triangle R of the same unknowns; none where R is singular or spans more than the
@@ -123,6 +111,69 @@ impl Gram {
         size.iter().enumerate().for_each(|(j, size)| r.column_mut(j).scale_mut(*size));
         let rss = (0..k).map(|j| (whole[(p + j, p + j)] - z.column(j).norm_squared()).max(0.0)).collect();
         Ok(Some(Factor { r, z, rss, rows: self.rows, resolution: (p.max(1) as f64 * f64::EPSILON).sqrt() }))
+    }
+}
+
+/// What the guard keeps.
+pub(super) struct Clear<'g> {
+    /// Lower triangle of `[A | Y]ᵀ [A | Y]`.
+    pub whole: Cow<'g, DMatrix<f64>>,
+    /// What brings each column to length one.
+    pub size: Vec<f64>,
+    pub found: PivotedCholesky,
+}
+
+impl Clear<'_> {
+    /// The columns that are kept, by falling pivots.
+    pub fn kept(&self) -> &[usize] {
+        &self.found.order[..self.found.pivots.len()]
+    }
+
+    /// The columns that depend on these.
+    pub fn dropped(&self) -> &[usize] {
+        &self.found.order[self.found.pivots.len()..]
+    }
+
+    /// The last pivot that is kept: a distance, of a column of length one, from all before it.
+    pub fn last(&self) -> f64 {
+        self.found.pivots.last().copied().unwrap_or(1.0).sqrt()
+    }
+
+    /// `A₁ᵀY_k` of the columns that are kept, brought to length one.
+    pub fn moments(&self, k: usize) -> Vec<f64> {
+        let p = self.size.len();
+        self.kept().iter().map(|&c| self.whole[(p + k, c)] * self.size[c]).collect()
+    }
+
+    /// `(A₁ᵀA₁)⁻¹` times such moments, for columns as they are; zero for those that depend on others.
+    pub fn solve(&self, moments: &[f64]) -> DVector<f64> {
+        let inner = solve_lower(&self.found.l, moments);
+        let inner = solve_lower_transposed(&self.found.l, inner.as_slice());
+        let mut x = DVector::zeros(self.size.len());
+        self.kept().iter().zip(inner.iter()).for_each(|(&c, v)| x[c] = v * self.size[c]);
+        x
+    }
+
+    /// The solution that it is.
+    pub fn solution(&self, x: DVector<f64>, residual_norm: f64) -> Solution {
+        let (p, rank, rest) = (x.len(), self.kept().len(), self.found.rest.sqrt());
+        let mut kept = self.kept().to_vec();
+        kept.sort_unstable();
+        let decision = RankDecision {
+            rank,
+            tolerance: (p as f64 * f64::EPSILON).sqrt(),
+            last_kept: self.last(),
+            first_dropped: rest,
+            gap: if rest > 0.0 { self.last() / rest } else { f64::INFINITY },
+            dropped: p - rank,
+        };
+        let info = SolverInfo {
+            residual_norm,
+            rank_decision: Some(decision),
+            kept: Some(kept),
+            ..SolverInfo::default()
+        };
+        Solution { x, rank, status: status_of_rank(rank, p), info }
     }
 }
 
