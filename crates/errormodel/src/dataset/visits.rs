@@ -73,8 +73,7 @@ pub fn configurations(data: &Dataset) -> Vec<usize> {
             let known = (-1..=1)
                 .filter_map(|beside| cells.get(&own.saturating_add(beside)))
                 .flatten()
-                // A comparison with what is no number is false.
-                .filter(|(other, _)| !((other - sum).abs() > beside_it.width))
+                .filter(|(other, _)| (other - sum).is_nan() || (other - sum).abs() <= beside_it.width)
                 .filter(|&&(_, c)| same_load(&data.load[first[c]], &data.load[row]))
                 .filter_map(|&(_, c)| Some((data.repeat_distance(first[c], row)?, c)))
                 .min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
