@@ -178,7 +178,8 @@ pub fn gram(
 }
 
 /// The basic least squares of `[A | r]` over all visits by their Gram matrix, refined on the rows ([`Gram::solve_refined`]), which are kept for
-/// that; none where it cannot be had, or where they are too many to be kept.
+/// that; none where it cannot be had, or where they are too many to be kept. x has an entry for each of these columns; the limit of the condition
+/// number and the rule of the rank are those of `solve_refined`.
 ///
 /// # Errors
 /// When the model and the data do not fit, or a number is not finite.

@@ -12,8 +12,9 @@
 //! | τ | the rank rule's tolerance of a pivot | 1 |
 //!
 //! With a condition number κ each step takes away all but `κ²ε` of the error, and the last leaves that of the residual, as a QR factorisation does.
-//! The entries of w are uniform on \[−1, 1\]: a column longer than τ is overlooked by one w with a probability below η, whatever the others are.
-//! Source: Björck, *Numerical Methods for Least Squares Problems*, §2.4.6 and §2.9.3.
+//! The entries of w are uniform on \[−1, 1\]: a column longer than τ is overlooked by one w with a probability of η at most, whatever the others are.
+//! Source: Björck, *Stability analysis of the method of seminormal equations for linear least squares problems*, Linear Algebra and its
+//! Applications 88/89 (1987).
 
 use super::Gram;
 use super::guarded::Clear;
@@ -34,8 +35,10 @@ const CONTRACTS: f64 = 0.1;
 
 impl Gram {
     /// The basic solution of one right-hand side, with all digits: as [`Triangular`](crate::accumulator::Triangular) with columns of length one
-    /// gives it. The blocks are the rows that this is the Gram matrix of: active columns (ascending), how many rows, and the numbers, column
-    /// after column, the right-hand side last. None where the guard refuses ([`Gram::solve_guarded`]), the rule is none that a pivot
+    /// gives it; x in units of the right-hand side over those of the columns. The blocks are the rows that this is the Gram matrix of: active
+    /// columns (ascending), how many rows, and the numbers, column after column, the right-hand side last. `limit` is as in
+    /// [`Gram::solve_guarded`], at most 1e6 leaves steps that get shorter. Of the rank decision `first_dropped` is the longest of some
+    /// random combinations of the dependencies. None where the guard refuses ([`Gram::solve_guarded`]), the rule is none that a pivot
     /// can be held against, the dependencies do not hold to its tolerance, or steps do not get shorter.
     ///
     /// # Errors
@@ -65,9 +68,11 @@ impl Gram {
         (0..probes).for_each(|k| all.set_column(1 + k, &clear.dependency(&mut random)));
         let mut before = clear.length(&all.column(0).into_owned());
         let whole = before;
+        let mut longest = 0.0_f64;
         for _ in 0..PASSES {
             let pass = Pass::over(blocks.clone(), &all);
-            if pass.squares.iter().any(|square| square.sqrt() > SHARE * tolerance) {
+            longest = pass.squares.iter().fold(longest, |longest, square| longest.max(square.sqrt()));
+            if longest > SHARE * tolerance {
                 return Ok(None);
             }
             let moments: Vec<f64> = clear.kept().iter().map(|&c| pass.gradient[c] * clear.size[c]).collect();
@@ -84,7 +89,13 @@ impl Gram {
                 // ‖A d‖² less than before the step d.
                 let kept = clear.kept().iter().zip(&moments);
                 let gained: f64 = kept.map(|(&c, moment)| step[c] / clear.size[c] * moment).sum();
-                return Ok(Some(clear.solution(x, (pass.left - gained).max(0.0).sqrt())));
+                let mut solution = clear.solution(x, (pass.left - gained).max(0.0).sqrt());
+                if let Some(decision) = &mut solution.info.rank_decision {
+                    decision.tolerance = tolerance;
+                    decision.first_dropped = longest;
+                    decision.gap = if longest > 0.0 { decision.last_kept / longest } else { f64::INFINITY };
+                }
+                return Ok(Some(solution));
             }
             before = moved;
             all = DMatrix::from_column_slice(p, 1, x.as_slice());
@@ -204,6 +215,9 @@ mod tests {
                 let refined = refined.unwrap();
                 // Which of those that depend on each other are kept is a matter of round-off.
                 assert_eq!((refined.rank, want.rank), (11, 11));
+                let [here, there] = [&refined, &want].map(|found| found.info.rank_decision.as_ref().unwrap());
+                assert!((here.tolerance / there.tolerance - 1.0).abs() < 1e-12, "{here:?} {there:?}");
+                assert!(here.first_dropped < 1e-14 * condition && here.is_clear(), "{here:?}");
                 let off = (&a * (&refined.x - &want.x)).norm() / (&a * &want.x).norm();
                 assert!(off < 1e-14 * condition, "{condition} {noise}: {off}");
                 let norms = [refined.info.residual_norm, want.info.residual_norm];
