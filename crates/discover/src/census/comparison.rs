@@ -16,7 +16,7 @@ use crate::hypotheses::nonlinear::Refinement;
 use crate::hypotheses::place::Place;
 use crate::options::DiscoverOptions;
 use crate::problem::linearisation::Linearisation;
-use crate::screen::candidates::Screen;
+use crate::screen::candidates::{Cause, Screen};
 
 /// The best candidate, and those that it was preferred to.
 pub(crate) struct Compared {
@@ -64,8 +64,14 @@ pub(crate) fn compared(
     let best = causes.iter().map(|cause| cause.variants[0].1).fold(0.0, f64::max);
     let is_barred = |family, place: &Place| barred.iter().any(|b| b.family == family && b.place == *place);
     let mut shortlist: Vec<Candidate> = Vec::new();
-    let open = causes.into_iter().filter(|cause| !is_barred(cause.family, &cause.place));
-    for cause in open.take(budget.causes).filter(|cause| !known.has(cause.family, &cause.place)) {
+    let open: Vec<Cause> =
+        causes.into_iter().filter(|cause| !is_barred(cause.family, &cause.place)).collect();
+    let compared: Vec<(Family, Place)> =
+        open.iter().take(budget.causes).map(|cause| (cause.family, cause.place.clone())).collect();
+    // With those that come in where others are barred: a pass over the rows costs more than a cause in it.
+    let ahead = budget.contests.saturating_sub(barred.len());
+    let looked_at = open.into_iter().take(budget.causes + ahead);
+    for cause in looked_at.filter(|cause| !known.has(cause.family, &cause.place)) {
         // One of each size, as in a contest.
         let mut sizes = Vec::new();
         for (candidate, _, freedom) in cause.variants {
@@ -86,7 +92,10 @@ pub(crate) fn compared(
         known.0.push(KnownCause { family, place, variants: judged.collect() });
     }
     let penalty = (all.count as f64).ln();
-    let judged = known.0.iter().filter(|known| !is_barred(known.family, &known.place));
+    let is_compared = |known: &&KnownCause| {
+        compared.iter().any(|(family, place)| *family == known.family && *place == known.place)
+    };
+    let judged = known.0.iter().filter(is_compared);
     let mut competitors: Vec<Competitor> = judged
         .flat_map(|known| known.variants.iter().cloned())
         .filter_map(|(candidate, detail)| {
@@ -198,11 +207,13 @@ fn refined(
     Ok(chosen.into_iter().zip(of_all).collect())
 }
 
-/// Where the parabola through the best value and its neighbours has its vertex; in the middle of the last gap where the best value is an end. None where that is the
-/// best value itself. `tried`: values, ascending, with the gain of each.
+/// Where the parabola through the best value and its neighbours has its vertex; in the middle of the last gap where the best value is an end. None where that would
+/// win nothing over the best value. `tried`: values, ascending, with the gain of each.
 fn vertex(tried: &[[f64; 2]]) -> Option<f64> {
     /// Parts of the range nearer than that are one value.
     const NEAR: f64 = 2e-3;
+    /// A gain that is none: a third of the standard deviation of the parameter.
+    const NOTHING: f64 = 0.1;
     let gain = |k: usize| tried[k][1];
     let best = (0..tried.len()).max_by(|&a, &b| gain(a).total_cmp(&gain(b)))?;
     let at = |k: usize| tried[k][0];
@@ -211,7 +222,13 @@ fn vertex(tried: &[[f64; 2]]) -> Option<f64> {
             let (to_left, to_right) = (at(best) - at(left), at(best) - at(right));
             let (fall_left, fall_right) = (gain(best) - gain(left), gain(best) - gain(right));
             let bend = to_left * fall_right - to_right * fall_left;
-            at(best) - 0.5 * (to_left * to_left * fall_right - to_right * to_right * fall_left) / bend
+            let slope = to_left * to_left * fall_right - to_right * to_right * fall_left;
+            // Of the parabola through the three values.
+            let won = 0.25 * slope * slope / (bend * to_left * -to_right * (to_left - to_right));
+            if won < NOTHING {
+                return None;
+            }
+            at(best) - 0.5 * slope / bend
         }
         (Some(other), None) | (None, Some(other)) => 0.5 * (at(best) + at(other)),
         (None, None) => return None,
@@ -264,8 +281,10 @@ mod tests {
         assert_eq!(vertex(&grid(0.25)), None);
         assert_eq!(vertex(&grid(1.4)), Some(0.875));
         // Neighbours that are not equally far away, as after a first vertex.
-        let uneven = [-0.5, 0.1, 0.2].map(|at: f64| [at, 3.0 - (at - 0.13).powi(2)]);
-        assert!((vertex(&uneven).unwrap() - 0.13).abs() < 1e-12);
+        let uneven = |bend: f64| [-0.5, 0.1, 0.2].map(|at: f64| [at, 3.0 - bend * (at - 0.13).powi(2)]);
+        assert!((vertex(&uneven(200.0)).unwrap() - 0.13).abs() < 1e-12);
+        // It would win 0.09.
+        assert_eq!(vertex(&uneven(100.0)), None);
         assert_eq!(vertex(&[[0.0, 1.0]]), None);
     }
 }

@@ -1,7 +1,8 @@
-//! The largest scores of a screen, with the columns of all rows.
+//! The scores of a screen that something rests on, with the columns of all rows.
 //!
 //! Where a function is small in all rows of the sample but not in all, as that of a load that is rarely carried, the sample says too little of
-//! its length, and its score comes out too large.
+//! its length, and its score comes out too large. A pass over the rows costs more than the candidates that are looked at in it: first come those
+//! that would be compared next, then those that take the place of others that fell, until none does.
 
 use crate::census::all_rows::AllRows;
 use crate::census::blocks::Blocks;
@@ -11,44 +12,74 @@ use crate::error::DiscoverError;
 use crate::hypotheses::candidate::Candidate;
 use crate::hypotheses::change::Change;
 use crate::options::DiscoverOptions;
+use crate::problem::linearisation::Linearisation;
 use crate::screen::candidates::Screen;
 use crate::significance::rotation::NullDistribution;
+use std::collections::BTreeSet;
 
 /// Candidates whose columns are taken at most.
 const MOST: usize = 288;
 
-/// Puts exact gains in the place of those that are significant, the largest first.
+/// Puts exact gains in the place of those that are significant, of the causes that may be compared and of the smallest p.
 pub(crate) fn confirmed(
-    screen: &mut Screen,
+    (screen, linearisation): (&mut Screen, &Linearisation<'_>),
     null: &NullDistribution,
     (all, blocks): (&AllRows, &Blocks),
     options: &DiscoverOptions,
 ) -> Result<(), DiscoverError> {
-    let mut open: Vec<(usize, f64)> = screen
-        .candidates
-        .iter()
-        .enumerate()
-        .filter(|(_, screened)| matches!(screened.candidate.change, Change::Add(_)))
-        .filter_map(|(k, screened)| Some((k, screened.score.as_ref()?.surprisal)))
-        .filter(|(_, surprisal)| null.p_value(*surprisal) <= options.alpha)
+    let mut open: Vec<usize> = (0..screen.candidates.len())
+        .filter(|&k| matches!(screen.candidates[k].candidate.change, Change::Add(_)))
+        .filter(|&k| surprisal(screen, k).is_some_and(|surprisal| null.p_value(surprisal) <= options.alpha))
         .collect();
-    open.sort_by(|a, b| b.1.total_cmp(&a.1));
-    // What is not looked at closely does not count.
-    for &(k, _) in open.iter().skip(MOST) {
-        if let Some(score) = &mut screen.candidates[k].score {
-            (score.gain, score.surprisal) = (0.0, 0.0);
+    let mut room = MOST;
+    loop {
+        let mut next = asked_for(screen, linearisation, &open, options);
+        next.sort_by(|&a, &b| {
+            surprisal(screen, b).unwrap_or(0.0).total_cmp(&surprisal(screen, a).unwrap_or(0.0))
+        });
+        if next.is_empty() {
+            return Ok(());
         }
-    }
-    open.truncate(MOST);
-    if open.is_empty() {
-        return Ok(());
-    }
-    let which: Vec<Candidate> = open.iter().map(|&(k, _)| screen.candidates[k].candidate.clone()).collect();
-    for (&(k, _), sums) in open.iter().zip(sums(&which, (all, blocks), 1, options)?) {
-        let detail = sums.and_then(|sums| Detail::of(&sums, all, 1, &options.policy));
-        if let Some(score) = &mut screen.candidates[k].score {
-            (score.gain, score.surprisal) = detail.map_or((0.0, 0.0), |d| (d.gain, d.surprisal));
+        // What is not looked at closely does not count.
+        for k in next.split_off(room.min(next.len())) {
+            put(screen, k, None);
+            open.retain(|&other| other != k);
         }
+        room -= next.len();
+        let which: Vec<Candidate> = next.iter().map(|&k| screen.candidates[k].candidate.clone()).collect();
+        for (&k, sums) in next.iter().zip(sums(&which, (all, blocks), 1, options)?) {
+            put(screen, k, sums.and_then(|sums| Detail::of(&sums, all, 1, &options.policy)).as_ref());
+        }
+        open.retain(|k| !next.contains(k));
     }
-    Ok(())
+}
+
+fn surprisal(screen: &Screen, candidate: usize) -> Option<f64> {
+    screen.candidates[candidate].score.as_ref().map(|score| score.surprisal)
+}
+
+fn put(screen: &mut Screen, candidate: usize, detail: Option<&Detail>) {
+    if let Some(score) = &mut screen.candidates[candidate].score {
+        (score.gain, score.surprisal) = detail.map_or((0.0, 0.0), |detail| (detail.gain, detail.surprisal));
+    }
+}
+
+/// Those of the open candidates that are variants of a cause that may be compared, or have the smallest p.
+fn asked_for(
+    screen: &Screen,
+    linearisation: &Linearisation<'_>,
+    open: &[usize],
+    options: &DiscoverOptions,
+) -> Vec<usize> {
+    let leading: BTreeSet<String> = screen
+        .causes(linearisation)
+        .iter()
+        .take(options.budget.causes + options.budget.contests)
+        .map(|cause| cause.variants[0].0.words())
+        .collect();
+    let largest = screen.largest();
+    let wanted = |k: usize| {
+        surprisal(screen, k) == Some(largest) || leading.contains(&screen.candidates[k].candidate.words())
+    };
+    open.iter().copied().filter(|&k| wanted(k)).collect()
 }

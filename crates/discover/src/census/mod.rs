@@ -102,7 +102,7 @@ impl<'a> Census<'a> {
                 None => screen.null(&linearisation, options.rotations, options.seed)?,
             };
             screened(&mut screen, &linearisation, (&all, blocks), options)?;
-            confirmed(&mut screen, &null, (&all, blocks), options)?;
+            confirmed((&mut screen, &linearisation), &null, (&all, blocks), options)?;
             let p_value = null.p_value(screen.largest());
             outcome.last = LastScreen { p_value, detectable_gain: null.detectable(options.alpha, all.count) };
             let step = match outcome.model.findings.len() < most {

@@ -4,7 +4,7 @@ use super::domain::Domain;
 use super::fallback::{between, share};
 use super::installed::Installed;
 use super::load_correction::LoadCorrection;
-use super::spread::position_covariance;
+use super::spread::PositionSpread;
 use crate::effects::Instrument;
 use crate::noise::NoiseModel;
 use crate::{
@@ -240,6 +240,7 @@ impl FittedModel {
             nominal: PostureBuffer::new(self.chain()),
             rest: Equilibrium::new(&self.model),
             rows: DMatrix::zeros(6, self.coefficients.len()),
+            spread: None,
             stands: false,
             conditions: Conditions {
                 joints: vec![0.0; self.chain().movable().len()],
@@ -267,7 +268,7 @@ pub(super) struct Predicted {
     pub weight: f64,
 }
 
-/// Evaluates a fitted model, posture after posture, without allocating (but to judge how far a fit with a fallback reaches).
+/// Evaluates a fitted model, posture after posture, without allocating (but once, to judge how far a fit with a fallback reaches).
 #[derive(Debug, Clone)]
 pub struct Predictor<'m> {
     fitted: &'m FittedModel,
@@ -276,6 +277,8 @@ pub struct Predictor<'m> {
     rest: Equilibrium,
     /// [`Predictor::sensitivity`] of the last posture that was judged.
     rows: DMatrix<f64>,
+    /// Made when the first posture is judged.
+    spread: Option<PositionSpread>,
     /// Those under which it stands, with the load that it carries.
     conditions: Conditions,
     /// Whether it was brought to rest under these.
@@ -307,7 +310,8 @@ impl Predictor<'_> {
     pub(super) fn judged(&mut self, conditions: &Conditions, aim: Aim) -> Predicted {
         self.differentiate(conditions, aim);
         let found = self.found(aim);
-        let covariance = position_covariance(&self.rows, &self.fitted.covariance);
+        let spread = self.spread.get_or_insert_with(|| PositionSpread::new(&self.fitted.covariance));
+        let covariance = spread.of(&self.rows);
         let open = covariance.trace();
         let weight = self.fitted.fallback.as_ref().map_or(1.0, |fallback| fallback.weight(open));
         let (Some(declared), Some(fallback)) = (&mut self.declared, &self.fitted.fallback) else {
