@@ -57,7 +57,7 @@ pub const W1: Workload = Workload {
         },
         Declared {
             name: "stable",
-            asked: &[("numpy-gram", 1.2), ("numba-gram", 1.2), ("numpy-qr", 0.4)],
+            asked: &[("numpy-gram", 0.8), ("numba-gram", 0.8), ("numpy-qr", 0.4)],
             prepare: |folder| way(folder, STABLE),
         },
     ],

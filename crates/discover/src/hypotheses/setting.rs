@@ -1,23 +1,26 @@
 //! What hypotheses need to know about the robot and the data.
 
 use crate::hypotheses::levels::Levels;
+use std::sync::OnceLock;
 use truepose_errormodel::{Dataset, is_of_observation};
 use truepose_kinematics::{Chain, JointId, JointKind, PostureBuffer};
 
 /// A robot with its data: what variants of a hypothesis are made for.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct Setting<'a> {
     /// The robot.
     pub chain: &'a Chain,
     /// The data, with its derived channels.
     pub data: &'a Dataset,
+    /// The range of the load of each movable joint, computed when the first is asked for.
+    loads: OnceLock<Vec<Option<[f64; 2]>>>,
 }
 
 impl<'a> Setting<'a> {
     /// Of a robot and its data.
     pub fn new(chain: &'a Chain, data: &'a Dataset) -> Self {
-        Setting { chain, data }
+        Setting { chain, data, loads: OnceLock::new() }
     }
 
     /// The range of a joint that was visited, rad or m; none when it never moved.
@@ -72,11 +75,21 @@ impl<'a> Setting<'a> {
 
     /// The range of the load about or along a joint, of some two hundred rows, N·m or N; none when nothing loads it.
     pub fn load_range(&self, joint: JointId) -> Option<[f64; 2]> {
+        let coordinate = self.chain.coordinate(joint)?;
+        self.loads.get_or_init(|| self.load_ranges())[coordinate]
+    }
+
+    fn load_ranges(&self) -> Vec<Option<[f64; 2]>> {
+        let movable = self.chain.movable();
         let mut buffer = PostureBuffer::new(self.chain);
+        let mut loads = vec![Vec::new(); movable.len()];
         let stride = (self.data.len() / 200).max(1);
-        let load = |row| buffer.update(self.chain, &self.data.conditions(row)).joint_load(joint);
-        let loads: Vec<f64> = (0..self.data.len()).step_by(stride).map(load).collect();
-        span(&loads)
+        for row in (0..self.data.len()).step_by(stride) {
+            let conditions = self.data.conditions(row);
+            let posture = buffer.update(self.chain, &conditions);
+            loads.iter_mut().zip(movable).for_each(|(loads, &joint)| loads.push(posture.joint_load(joint)));
+        }
+        loads.iter().map(|loads| span(loads)).collect()
     }
 
     /// The largest load about or along a joint, N·m or N.

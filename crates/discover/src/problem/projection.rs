@@ -19,8 +19,9 @@ use crate::problem::noise::Noise;
 use crate::problem::tables::{Sums, Tables};
 use crate::problem::whitening::Whitener;
 use crate::statistics::beta::surprisal;
-use crate::statistics::product::{cross, gram_matrix, orthonormal};
+use crate::statistics::product::{cross, gram_matrix, orthonormal, orthonormal_again, product};
 use nalgebra::{DMatrix, DVector, Dyn, Matrix, Scalar, Storage, SymmetricEigen};
+use truepose_solvers::kernels::symmetric_eigen;
 
 /// The present model, projected out.
 pub(crate) struct Projection {
@@ -136,7 +137,7 @@ impl Projection {
         let along = cross(&self.q, &x);
         let raw = gram_matrix(&x);
         let basis = basis(&raw, &(&raw - gram_matrix(&along)), self.absorbed)?;
-        Some((x - &self.q * along) * basis)
+        Some((x - product(&self.q, &along)) * basis)
     }
 
     /// Candidates to be asked for their gains beside others.
@@ -298,18 +299,19 @@ pub(crate) fn side_by_side<T: Scalar>(parts: &[DMatrix<f64>], of: impl Fn(f64) -
 /// Orthonormal directions of `[A; W]`: those that the data estimates, free of the prior, then those that the prior holds, with the length
 /// of each in the prior's rows.
 fn directions(columns: DMatrix<f64>, prior: Option<&DMatrix<f64>>) -> (DMatrix<f64>, Vec<f64>) {
-    let inverse = prior.and_then(|prior| prior.clone().try_inverse());
-    let Some(inverse) = inverse else { return (orthonormal(columns), Vec::new()) };
-    let scaled = columns * inverse;
-    let eigen = SymmetricEigen::new(gram_matrix(&scaled));
-    let strong = |&k: &usize| eigen.eigenvalues[k] >= ESTIMATED * ESTIMATED;
-    let (estimated, weak): (Vec<usize>, Vec<usize>) = (0..eigen.eigenvalues.len()).partition(strong);
-    let turned = |which: &[usize]| &scaled * eigen.eigenvectors.select_columns(which);
-    let free = orthonormal(turned(&estimated));
-    let mut q = free.clone().resize_horizontally(estimated.len() + weak.len(), 0.0);
+    let apart = prior.and_then(|prior| without_prior(&columns, prior));
+    let Some(scaled) = apart else { return (orthonormal(columns), Vec::new()) };
+    let Some((values, vectors)) = symmetric_eigen(&gram_matrix(&scaled)) else {
+        return (orthonormal(columns), Vec::new());
+    };
+    let strong = |&k: &usize| values[k] >= ESTIMATED * ESTIMATED;
+    let (estimated, weak): (Vec<usize>, Vec<usize>) = (0..values.len()).partition(strong);
+    let turned = |which: &[usize]| product(&scaled, &vectors.select_columns(which));
+    let free = orthonormal_again(turned(&estimated));
     let mut rest = turned(&weak);
-    rest -= &free * cross(&free, &rest);
+    rest -= product(&free, &cross(&free, &rest));
     let mut held = Vec::new();
+    let mut q = free.resize_horizontally(estimated.len() + weak.len(), 0.0);
     for (k, mut column) in rest.column_iter_mut().enumerate() {
         let length = (1.0 + column.norm_squared()).sqrt();
         column /= length;
@@ -317,6 +319,24 @@ fn directions(columns: DMatrix<f64>, prior: Option<&DMatrix<f64>>) -> (DMatrix<f
         q.set_column(estimated.len() + k, &column);
     }
     (q, held)
+}
+
+/// `A W⁻¹`; none where W has none. Of its last unknowns that are held one by one, as those of a wander, no inverse of a matrix is needed.
+fn without_prior(columns: &DMatrix<f64>, prior: &DMatrix<f64>) -> Option<DMatrix<f64>> {
+    let n = prior.ncols();
+    let alone = |k: &usize| (0..n).all(|i| i == *k || (prior[(i, *k)] == 0.0 && prior[(*k, i)] == 0.0));
+    let together = n - (0..n).rev().take_while(alone).count();
+    let inverse = prior.view((0, 0), (together, together)).into_owned().try_inverse()?;
+    let mut scaled =
+        product(&columns.columns(0, together).into_owned(), &inverse).resize_horizontally(n, 0.0);
+    for k in together..n {
+        let by = prior[(k, k)];
+        if by == 0.0 {
+            return None;
+        }
+        scaled.set_column(k, &(columns.column(k) / by));
+    }
+    Some(scaled)
 }
 
 /// ‖X‖² of a whitened column below which it is rounding: a hundred expected sizes of it move all observations together by less than a
@@ -351,6 +371,20 @@ pub(crate) fn basis(raw: &DMatrix<f64>, left: &DMatrix<f64>, absorbed: f64) -> O
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn unknowns_that_are_held_one_by_one_need_no_inverse_of_a_matrix() {
+        let columns = DMatrix::from_fn(20, 6, |i, j| ((i * 5 + j * j) as f64).sin());
+        for together in [0, 2, 6] {
+            let mut prior = DMatrix::from_diagonal(&DVector::from_fn(6, |k, _| 0.5 + k as f64));
+            for i in 0..together {
+                (i + 1..together).for_each(|j| prior[(i, j)] = 0.3);
+            }
+            let found = without_prior(&columns, &prior).unwrap();
+            assert!((found - &columns * prior.clone().try_inverse().unwrap()).amax() < 1e-14, "{together}");
+        }
+        assert!(without_prior(&columns, &DMatrix::zeros(6, 6)).is_none());
+    }
 
     #[test]
     fn a_column_of_rounding_is_no_direction() {

@@ -177,13 +177,13 @@ impl UnitResponse {
     pub fn products<S: Storage<f64, Dyn, Dyn>>(&self, columns: &Matrix<f64, Dyn, Dyn, S>) -> DMatrix<f64> {
         let k = columns.ncols();
         let mut products = DMatrix::zeros(k, k);
-        let mut weighed = vec![0.0; self.square.len()];
+        let mut weighed = DVector::zeros(self.square.len());
         for (i, a) in columns.column_iter().enumerate() {
             for ((weighed, a), square) in weighed.iter_mut().zip(a.iter()).zip(&self.square) {
                 *weighed = a * square;
             }
             for (j, b) in columns.column_iter().enumerate().skip(i) {
-                let sum: f64 = weighed.iter().zip(b.iter()).map(|(a, b)| a * b).sum();
+                let sum = weighed.dot(&b);
                 products[(i, j)] = sum;
                 products[(j, i)] = sum;
             }

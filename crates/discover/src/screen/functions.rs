@@ -167,13 +167,14 @@ impl Functions {
             };
             by_frame[frame].push((set, component, score));
         }
+        // Products with a transposed copy are blocked, those with a transposed view are dot products.
+        let functions = self.values.transpose();
         self.sites
             .par_iter()
             .zip(by_frame)
             .map(|(sites, candidates)| {
                 let mut largest = rotations.nothing();
-                let products: Vec<DMatrix<f32>> =
-                    sites.iter().map(|&site| self.values.tr_mul(&at[site])).collect();
+                let products: Vec<DMatrix<f32>> = sites.iter().map(|&site| &functions * &at[site]).collect();
                 for (set, component, score) in candidates {
                     let own = &self.sets[set].1;
                     match component {

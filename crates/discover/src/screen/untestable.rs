@@ -21,7 +21,9 @@ use crate::hypotheses::place::Place;
 use crate::policy::Policy;
 use crate::problem::linearisation::Linearisation;
 use crate::screen::candidates::Screen;
+use crate::screen::screened::Screened;
 use nalgebra::SymmetricEigen;
+use rayon::prelude::*;
 use serde::Serialize;
 use truepose_kinematics::JointId;
 
@@ -76,8 +78,8 @@ pub(crate) fn untestable(
     let significant = if significant.is_finite() && significant > 0.0 { significant } else { 21.0 };
     let wanted = (significant.sqrt() + policy.power).powi(2);
     let floor = linearisation.floor(linearisation.noise);
-    let mut list: Vec<Untestable> = Vec::new();
-    for screened in screen.candidates.iter().filter(|s| s.candidate.family.is_named()) {
+    let named: Vec<&Screened> = screen.candidates.iter().filter(|s| s.candidate.family.is_named()).collect();
+    let judged = |screened: &&Screened| {
         let (family, place) = (screened.candidate.family, screened.candidate.place.clone());
         let mut own = Untestable {
             family,
@@ -104,6 +106,11 @@ pub(crate) fn untestable(
             own.detectable = Some(floor * (relative * raw / linearisation.len() as f64).sqrt());
             own.more_poses = Some(relative);
         }
+        own
+    };
+    let each: Vec<Untestable> = named.par_iter().map(judged).collect();
+    let mut list: Vec<Untestable> = Vec::new();
+    for own in each {
         match list.iter_mut().find(|u| u.family == own.family && u.place == own.place) {
             Some(known) => {
                 let tested = known.tested || own.tested;

@@ -38,7 +38,7 @@ impl Rotations {
         let first = q.ncols() - weak;
         let mut directions = normal(m);
         let mut below = normal(weak);
-        let mut along = q.tr_mul(&directions);
+        let mut along = q.transpose() * &directions;
         for (k, &held) in projection.held.iter().enumerate() {
             for b in 0..count {
                 along[(first + k, b)] += held as f32 * below[(k, b)];

@@ -13,6 +13,11 @@ pub(crate) fn cross(a: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {
     kernels::cross(a, b)
 }
 
+/// `A B` of a tall A.
+pub(crate) fn product(a: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {
+    kernels::product(a, b)
+}
+
 /// `AᵀA`.
 pub(crate) fn gram_matrix(a: &DMatrix<f64>) -> DMatrix<f64> {
     /// Up to so many columns, both halves are computed as fast as one.
@@ -40,24 +45,39 @@ pub(crate) fn orthonormal(a: DMatrix<f64>) -> DMatrix<f64> {
     if a.ncols() == 0 {
         return a;
     }
-    let once = |a: &DMatrix<f64>| -> Option<DMatrix<f64>> {
-        let gram = gram_matrix(a);
-        let size: Vec<f64> = gram.diagonal().iter().map(|v| v.sqrt()).collect();
-        let scaled = DMatrix::from_fn(a.ncols(), a.ncols(), |i, j| gram[(i, j)] / (size[i] * size[j]));
-        let lower = cholesky(scaled)?.unpack();
-        if !lower.diagonal().iter().all(|&d| d > INDEPENDENT) {
-            return None;
-        }
-        let mut inverse = lower.solve_lower_triangular(&DMatrix::identity(a.ncols(), a.ncols()))?.transpose();
-        for (i, size) in size.iter().enumerate() {
-            inverse.row_mut(i).scale_mut(1.0 / size);
-        }
-        Some(a * inverse)
-    };
-    match once(&a).and_then(|q| once(&q)) {
+    match by_cholesky(&a, INDEPENDENT).and_then(|q| by_cholesky(&q, INDEPENDENT)) {
         Some(q) => q,
         None => a.qr().q(),
     }
+}
+
+/// An orthonormal basis of columns that are orthogonal to each other but for rounding.
+pub(crate) fn orthonormal_again(a: DMatrix<f64>) -> DMatrix<f64> {
+    /// Least pivot of the scaled columns for which one pass leaves rounding alone.
+    const ORTHOGONAL: f64 = 0.9;
+    if a.ncols() == 0 {
+        return a;
+    }
+    by_cholesky(&a, ORTHOGONAL).unwrap_or_else(|| orthonormal(a))
+}
+
+/// `A L⁻ᵀ`, `L Lᵀ = AᵀA`; none where a pivot of the scaled columns is not above `least`.
+fn by_cholesky(a: &DMatrix<f64>, least: f64) -> Option<DMatrix<f64>> {
+    let n = a.ncols();
+    let gram = gram_matrix(a);
+    let size: Vec<f64> = gram.diagonal().iter().map(|v| v.sqrt()).collect();
+    let scaled = DMatrix::from_fn(n, n, |i, j| gram[(i, j)] / (size[i] * size[j]));
+    let lower = cholesky(scaled)?.unpack();
+    if !lower.diagonal().iter().all(|&d| d > least) {
+        return None;
+    }
+    let mut inverse = DMatrix::identity(n, n);
+    kernels::solve_lower_many(&lower, &mut inverse);
+    let mut inverse = inverse.transpose();
+    for (i, size) in size.iter().enumerate() {
+        inverse.row_mut(i).scale_mut(1.0 / size);
+    }
+    Some(product(a, &inverse))
 }
 
 #[cfg(test)]
@@ -83,7 +103,10 @@ mod tests {
                 10f64.powi(3 * j as i32 - 9) * if j == 6 { wave + tilt * t.cos() } else { wave }
             });
             let q = orthonormal(a.clone());
-            assert!((cross(&q, &q) - DMatrix::identity(7, 7)).amax() < 1e-13);
+            let bent = &q + 1e-3 * DMatrix::from_fn(30, 7, |i, j| ((i * j) as f64).cos());
+            for q in [&q, &orthonormal_again(bent), &orthonormal_again(a.clone())] {
+                assert!((cross(q, q) - DMatrix::identity(7, 7)).amax() < 1e-13);
+            }
             for j in 0..7 {
                 let column = a.column(j).into_owned();
                 let left = &column - &q * q.tr_mul(&column);

@@ -49,6 +49,24 @@ pub fn cross(a: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {
     out
 }
 
+/// AB.
+pub fn product(a: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {
+    let (rows, k, n) = (a.nrows(), a.ncols(), b.ncols());
+    let mut out = DMatrix::zeros(rows, n);
+    if k == 0 || out.is_empty() {
+        return out;
+    }
+    faer::linalg::matmul::matmul(
+        MatMut::from_column_major_slice_mut(out.as_mut_slice(), rows, n),
+        Accum::Replace,
+        MatRef::from_column_major_slice(a.as_slice(), rows, k),
+        MatRef::from_column_major_slice(b.as_slice(), k, n),
+        1.0,
+        Par::Seq,
+    );
+    out
+}
+
 /// Adds ± BᵀB to the lower triangle of `g`, B given row after row.
 pub(crate) fn gram_of_rows(g: &mut DMatrix<f64>, rows: &[f64], sign: f64) {
     let p = g.ncols();

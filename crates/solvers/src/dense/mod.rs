@@ -2,6 +2,7 @@
 //! else in the workspace names faer.
 
 mod cholesky;
+mod eigen;
 mod householder;
 mod leaf;
 mod norm;
@@ -11,7 +12,8 @@ mod singular;
 mod triangle;
 
 pub(crate) use cholesky::{cholesky, gram_of, gram_of_rows, residual_of_rows};
-pub use cholesky::{cholesky_lower, cross, gram, solve_lower_many, solve_upper_many};
+pub use cholesky::{cholesky_lower, cross, gram, product, solve_lower_many, solve_upper_many};
+pub use eigen::symmetric_eigen;
 pub(crate) use householder::{Reflectors, fold};
 pub(crate) use norm::norm;
 pub(crate) use pivoted::{ordered_qr, pivoted_qr};
