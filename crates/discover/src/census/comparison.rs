@@ -45,9 +45,9 @@ struct KnownCause {
     variants: Vec<(Candidate, Detail)>,
 }
 
-impl Known {
-    fn has(&self, family: Family, place: &Place) -> bool {
-        self.0.iter().any(|known| known.family == family && known.place == *place)
+impl KnownCause {
+    fn is(&self, (family, place): (Family, &Place)) -> bool {
+        self.family == family && self.place == *place
     }
 }
 
@@ -66,12 +66,15 @@ pub(crate) fn compared(
     let mut shortlist: Vec<Candidate> = Vec::new();
     let open: Vec<Cause> =
         causes.into_iter().filter(|cause| !is_barred(cause.family, &cause.place)).collect();
-    let compared: Vec<(Family, Place)> =
+    let own: Vec<(Family, Place)> =
         open.iter().take(budget.causes).map(|cause| (cause.family, cause.place.clone())).collect();
-    // With those that come in where others are barred: a pass over the rows costs more than a cause in it.
-    let ahead = budget.contests.saturating_sub(barred.len());
-    let looked_at = open.into_iter().take(budget.causes + ahead);
-    for cause in looked_at.filter(|cause| !known.has(cause.family, &cause.place)) {
+    // After a refusal with those that come in at the next ones: a pass over the rows for each costs more.
+    let ahead = match barred.len() {
+        0 => 0,
+        refused => budget.contests.saturating_sub(1 + refused),
+    };
+    let is_new = |cause: &Cause| !known.0.iter().any(|known| known.is((cause.family, &cause.place)));
+    for cause in open.into_iter().take(budget.causes + ahead).filter(is_new) {
         // One of each size, as in a contest.
         let mut sizes = Vec::new();
         for (candidate, _, freedom) in cause.variants {
@@ -92,10 +95,7 @@ pub(crate) fn compared(
         known.0.push(KnownCause { family, place, variants: judged.collect() });
     }
     let penalty = (all.count as f64).ln();
-    let is_compared = |known: &&KnownCause| {
-        compared.iter().any(|(family, place)| *family == known.family && *place == known.place)
-    };
-    let judged = known.0.iter().filter(is_compared);
+    let judged = known.0.iter().filter(|known| own.iter().any(|(family, place)| known.is((*family, place))));
     let mut competitors: Vec<Competitor> = judged
         .flat_map(|known| known.variants.iter().cloned())
         .filter_map(|(candidate, detail)| {
@@ -153,8 +153,8 @@ struct Tried {
     detail: Detail,
 }
 
-/// The candidates with their nonlinear parameters refined, and what all rows say of each: the best of a grid about the value, then twice the vertex of
-/// the parabola through the best value and its neighbours.
+/// The candidates with their nonlinear parameters refined, and what all rows say of each: the best of a grid about the value, then up to twice the
+/// vertex of the parabola through the best value and its neighbours.
 fn refined(
     linearisation: &Linearisation<'_>,
     candidates: Vec<Candidate>,

@@ -1,8 +1,9 @@
 //! The scores of a screen that something rests on, with the columns of all rows.
 //!
 //! Where a function is small in all rows of the sample but not in all, as that of a load that is rarely carried, the sample says too little of
-//! its length, and its score comes out too large. A pass over the rows costs more than the candidates that are looked at in it: first come those
-//! that would be compared next, then those that take the place of others that fell, until none does.
+//! its length, and its score comes out too large. (Where the sample has more of it than all rows have, too small: a cause that is not among the best for that
+//! stays where it is.) First come those that would be compared next, then those that take the place of others that fell, until none does; each further pass
+//! takes twice as many causes.
 
 use crate::census::all_rows::AllRows;
 use crate::census::blocks::Blocks;
@@ -32,14 +33,17 @@ pub(crate) fn confirmed(
         .filter(|&k| surprisal(screen, k).is_some_and(|surprisal| null.p_value(surprisal) <= options.alpha))
         .collect();
     let mut room = MOST;
+    let most = options.budget.causes + options.budget.contests.saturating_sub(1);
+    let mut taken = most;
     loop {
-        let mut next = asked_for(screen, linearisation, &open, options);
+        if asked_for(screen, linearisation, &open, most).is_empty() {
+            return Ok(());
+        }
+        let mut next = asked_for(screen, linearisation, &open, taken);
+        taken *= 2;
         next.sort_by(|&a, &b| {
             surprisal(screen, b).unwrap_or(0.0).total_cmp(&surprisal(screen, a).unwrap_or(0.0))
         });
-        if next.is_empty() {
-            return Ok(());
-        }
         // What is not looked at closely does not count.
         for k in next.split_off(room.min(next.len())) {
             put(screen, k, None);
@@ -64,19 +68,10 @@ fn put(screen: &mut Screen, candidate: usize, detail: Option<&Detail>) {
     }
 }
 
-/// Those of the open candidates that are variants of a cause that may be compared, or have the smallest p.
-fn asked_for(
-    screen: &Screen,
-    linearisation: &Linearisation<'_>,
-    open: &[usize],
-    options: &DiscoverOptions,
-) -> Vec<usize> {
-    let leading: BTreeSet<String> = screen
-        .causes(linearisation)
-        .iter()
-        .take(options.budget.causes + options.budget.contests)
-        .map(|cause| cause.variants[0].0.words())
-        .collect();
+/// Those of the open candidates that are variants of one of the `best` causes, or have the smallest p.
+fn asked_for(screen: &Screen, linearisation: &Linearisation<'_>, open: &[usize], best: usize) -> Vec<usize> {
+    let leading: BTreeSet<String> =
+        screen.causes(linearisation).iter().take(best).map(|cause| cause.variants[0].0.words()).collect();
     let largest = screen.largest();
     let wanted = |k: usize| {
         surprisal(screen, k) == Some(largest) || leading.contains(&screen.candidates[k].candidate.words())

@@ -13,7 +13,7 @@ pub struct Setting<'a> {
     pub chain: &'a Chain,
     /// The data, with its derived channels.
     pub data: &'a Dataset,
-    /// The range of the load of each movable joint, computed when the first is asked for.
+    /// The range of the load of each movable joint, of this chain and data, computed when the first is asked for.
     loads: OnceLock<Vec<Option<[f64; 2]>>>,
 }
 

@@ -2,6 +2,7 @@
 
 use nalgebra::{Cholesky, DMatrix, Dyn};
 use truepose_solvers::kernels;
+pub(crate) use truepose_solvers::kernels::product;
 
 /// `Aᵀ B`.
 pub(crate) fn cross(a: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {
@@ -11,11 +12,6 @@ pub(crate) fn cross(a: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {
         return a.tr_mul(b);
     }
     kernels::cross(a, b)
-}
-
-/// `A B` of a tall A.
-pub(crate) fn product(a: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {
-    kernels::product(a, b)
 }
 
 /// `AᵀA`.

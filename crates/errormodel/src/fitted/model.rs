@@ -240,7 +240,7 @@ impl FittedModel {
             nominal: PostureBuffer::new(self.chain()),
             rest: Equilibrium::new(&self.model),
             rows: DMatrix::zeros(6, self.coefficients.len()),
-            spread: None,
+            spread: self.fallback.is_some().then(|| PositionSpread::new(&self.covariance)),
             stands: false,
             conditions: Conditions {
                 joints: vec![0.0; self.chain().movable().len()],
@@ -268,7 +268,7 @@ pub(super) struct Predicted {
     pub weight: f64,
 }
 
-/// Evaluates a fitted model, posture after posture, without allocating (but once, to judge how far a fit with a fallback reaches).
+/// Evaluates a fitted model, posture after posture, without allocating.
 #[derive(Debug, Clone)]
 pub struct Predictor<'m> {
     fitted: &'m FittedModel,
@@ -277,7 +277,7 @@ pub struct Predictor<'m> {
     rest: Equilibrium,
     /// [`Predictor::sensitivity`] of the last posture that was judged.
     rows: DMatrix<f64>,
-    /// Made when the first posture is judged.
+    /// Made when the first posture is judged; of a fit with a fallback, all of whose postures are, at once.
     spread: Option<PositionSpread>,
     /// Those under which it stands, with the load that it carries.
     conditions: Conditions,
