@@ -11,6 +11,9 @@ use nalgebra::DMatrix;
 /// not converge.
 pub fn symmetric_eigen(matrix: &DMatrix<f64>) -> Option<(Vec<f64>, DMatrix<f64>)> {
     let n = matrix.ncols();
+    if n == 0 {
+        return Some((Vec::new(), DMatrix::zeros(0, 0)));
+    }
     if !matrix.iter().all(|v| v.is_finite()) {
         return None;
     }
