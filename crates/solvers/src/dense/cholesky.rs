@@ -49,7 +49,7 @@ pub fn cross(a: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {
     out
 }
 
-/// AB.
+/// AB, m × n, of an m × k and a k × n matrix.
 pub fn product(a: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {
     let (rows, k, n) = (a.nrows(), a.ncols(), b.ncols());
     let mut out = DMatrix::zeros(rows, n);

@@ -7,7 +7,7 @@ use faer::linalg::evd::{ComputeEigenvectors, self_adjoint_evd, self_adjoint_evd_
 use faer::{Mat, Par};
 use nalgebra::DMatrix;
 
-/// Eigenvalues, ascending, and orthonormal eigenvectors, column by column, of a symmetric matrix. None where a number is not finite, or the iteration does
+/// Eigenvalues, ascending, in the unit of the matrix, and orthonormal eigenvectors, n × n, column by column, of a symmetric n × n matrix. None where a number is not finite, or the iteration does
 /// not converge.
 pub fn symmetric_eigen(matrix: &DMatrix<f64>) -> Option<(Vec<f64>, DMatrix<f64>)> {
     let n = matrix.ncols();
