@@ -10,7 +10,7 @@ use truepose_compensate::{CommandRequest, Compensator, CompensatorOptions, Statu
 use truepose_errormodel::Schema;
 use truepose_kinematics::{Chain, Conditions, PostureBuffer, joint_jacobian, samples};
 
-#[path = "../tests/fits/mod.rs"]
+#[path = "../tests/all/fits/mod.rs"]
 mod fits;
 
 const COUNT: usize = 100_000;

@@ -6,7 +6,7 @@ use truepose_compensate::{Compensator, CompensatorOptions};
 use truepose_errormodel::Schema;
 use truepose_kinematics::{Chain, Conditions, samples};
 
-#[path = "../tests/fits/mod.rs"]
+#[path = "../tests/all/fits/mod.rs"]
 mod fits;
 
 fn main() {

@@ -6,7 +6,7 @@
 #![allow(clippy::print_stdout, clippy::unwrap_used, reason = "it is what a benchmark is for")]
 #![allow(clippy::undocumented_unsafe_blocks, reason = "every pointer here is of a local variable, or null")]
 
-#[path = "../tests/fits/mod.rs"]
+#[path = "../tests/all/fits/mod.rs"]
 mod fits;
 
 use std::hint::black_box;

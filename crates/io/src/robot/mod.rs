@@ -19,8 +19,8 @@ mod urdf_corrected;
 mod urdf_form;
 mod urdf_mimics;
 mod urdf_path;
+mod urdf_text;
 mod write;
-mod xml_places;
 mod yaml_tree;
 
 pub use beside::RobotBeside;

@@ -7,7 +7,7 @@ use super::RobotOptions;
 use super::names::joint_name_problem;
 use super::urdf_mimics::urdf_mimics;
 use super::urdf_path::path_between;
-use super::xml_places::{place_of, tags};
+use super::urdf_text::{Urdf, UrdfJoint, UrdfLink};
 use crate::nearest::{listed, meant};
 use crate::text::Text;
 use crate::toml_tree::Value;
@@ -15,7 +15,6 @@ use crate::{IoError, Warning};
 use std::path::Path;
 use truepose_kinematics::nalgebra::{Unit as UnitVector, Vector3};
 use truepose_kinematics::{Joint, JointId, JointKind, Link, Mimic, Placement, Pose};
-use urdf_rs::JointType;
 
 /// The part of a URDF that is read.
 #[derive(Debug)]
@@ -40,27 +39,10 @@ pub(super) fn read_tree(
     warnings: &mut Vec<Warning>,
 ) -> Result<Arm, IoError> {
     let text = Text::read(path)?;
-    if text.text.trim().is_empty() {
-        return Err(IoError::file(path, "is empty; a URDF begins with <robot name=\"…\">"));
-    }
-    let tags = tags(&text.text).map_err(|(at, message)| text.error(at, message))?;
-    match tags.first() {
-        Some(tag) if tag.element == "robot" => {}
-        Some(tag) => {
-            return Err(
-                text.error(tag.at, format!("is not a URDF: it begins with <{}>, not <robot>", tag.element))
-            );
-        }
-        None => return Err(text.error(0, "is not a URDF: it has no <robot>")),
-    }
-    let robot = urdf_rs::read_from_string(&text.text).map_err(|error| {
-        let words = error.to_string().replace('\n', "; ");
-        let at = culprit(&words, &tags);
-        text.error(at, format!("is not a valid URDF: {words}"))
-    })?;
+    let robot = Urdf::read(&text)?;
     let between = |options: &RobotOptions| {
         path_between(&robot, options).map_err(|problem| {
-            let at = problem.element.map_or(0, |(element, name)| place_of(&tags, element, &name));
+            let at = problem.joint.map_or(robot.at, |name| robot.joint_at(&name));
             text.error(at, problem.message)
         })
     };
@@ -71,9 +53,9 @@ pub(super) fn read_tree(
             let (hint, known) = (meant(name, joints()), listed(joints()));
             return Err(place.error(format!("the URDF has no joint `{name}`{hint} (its joints: {known})")));
         };
-        let tip = Some(last.child.link.clone());
+        let tip = Some(last.child.clone());
         for joint in between(&RobotOptions { tip, ..options.clone() })? {
-            if !on_path.iter().any(|other: &&urdf_rs::Joint| other.name == joint.name) {
+            if !on_path.iter().any(|other: &&UrdfJoint| other.name == joint.name) {
                 on_path.push(joint);
             }
         }
@@ -81,14 +63,14 @@ pub(super) fn read_tree(
     if ends.is_empty() {
         on_path = between(options)?;
     }
-    let before = |joint: &&urdf_rs::Joint| {
-        on_path.iter().position(|other| other.child.link == joint.parent.link).map(|k| JointId(k + 1))
+    let before = |joint: &&UrdfJoint| {
+        on_path.iter().position(|other| other.child == joint.parent).map(|k| JointId(k + 1))
     };
     let parents = if ends.is_empty() { Vec::new() } else { on_path.iter().map(before).collect() };
-    let mimics = urdf_mimics(&on_path, |name, message| text.error(place_of(&tags, "joint", name), message))?;
+    let mimics = urdf_mimics(&on_path, |name, message| text.error(robot.joint_at(name), message))?;
     let mut joints: Vec<Joint> = Vec::with_capacity(on_path.len());
     for described in on_path {
-        let at = place_of(&tags, "joint", &described.name);
+        let at = described.at;
         let warn = |message: String| {
             let (line, _) = text.place(at);
             Warning { file: path.into(), line: Some(line), column: None, message }
@@ -99,14 +81,11 @@ pub(super) fn read_tree(
                 text.error(at, format!("two joints have the name `{}`; names must be different", joint.name))
             );
         }
-        if matches!(described.joint_type, JointType::Revolute | JointType::Prismatic)
-            && joint.limits.is_none()
-        {
+        if limited(described) && joint.limits.is_none() {
             warnings.push(warn(format!("joint `{}` has no limits; add <limit lower=… upper=…>", joint.name)));
         }
-        if let Some(link) = robot.links.iter().find(|link| link.name == described.child.link) {
-            joint.link =
-                link_of(link).map_err(|message| text.error(place_of(&tags, "link", &link.name), message))?;
+        if let Some(link) = robot.links.iter().find(|link| link.name == described.child) {
+            joint.link = link_of(link).map_err(|message| text.error(link.at, message))?;
         }
         joints.push(joint);
     }
@@ -117,36 +96,39 @@ pub(super) fn read_tree(
     Ok(Arm { name: robot.name.clone(), joints, parents, mimics })
 }
 
-fn joint(described: &urdf_rs::Joint) -> Result<Joint, String> {
+fn joint(described: &UrdfJoint) -> Result<Joint, String> {
     let name = &described.name;
     if let Some(problem) = joint_name_problem(name) {
         return Err(problem);
     }
-    let kind = match described.joint_type {
-        JointType::Revolute | JointType::Continuous => JointKind::Revolute,
-        JointType::Prismatic => JointKind::Prismatic,
-        JointType::Fixed => JointKind::Fixed,
-        JointType::Floating | JointType::Planar | JointType::Spherical => {
-            let kind = format!("{:?}", described.joint_type).to_lowercase();
+    let kind = match described.kind.as_str() {
+        "revolute" | "continuous" => JointKind::Revolute,
+        "prismatic" => JointKind::Prismatic,
+        "fixed" => JointKind::Fixed,
+        kind @ ("floating" | "planar" | "spherical") => {
             return Err(format!(
                 "joint `{name}` is {kind}, which is not supported between base and tip; choose other links"
             ));
         }
+        kind => {
+            return Err(format!(
+                "joint `{name}` has the type `{kind}`; a URDF has revolute, continuous, prismatic and fixed joints"
+            ));
+        }
     };
-    let pose = Pose::from_xyz_rpy(described.origin.xyz.0, described.origin.rpy.0);
+    let pose = described.origin;
     if !pose.is_finite() {
         return Err(format!("the origin of joint `{name}` is not finite"));
     }
-    let axis = Vector3::from(described.axis.xyz.0);
+    let axis = Vector3::from(described.axis);
     let axis = match UnitVector::try_new(axis, 1e-9) {
         Some(axis) if axis.iter().all(|v| v.is_finite()) => axis,
         _ if kind == JointKind::Fixed => Vector3::z_axis(),
         _ => return Err(format!("the axis of joint `{name}` has no direction; give one such as \"0 0 1\"")),
     };
     let mut joint = Joint::new(name.clone(), kind, Placement::Origin { pose, axis });
-    let (lower, upper) = (described.limit.lower, described.limit.upper);
-    let limited = matches!(described.joint_type, JointType::Revolute | JointType::Prismatic);
-    if limited && lower.is_finite() && upper.is_finite() && (lower, upper) != (0.0, 0.0) {
+    let (lower, upper) = described.limits.unwrap_or_default();
+    if limited(described) && lower.is_finite() && upper.is_finite() && (lower, upper) != (0.0, 0.0) {
         if lower > upper {
             return Err(format!("the limits of joint `{name}` are the wrong way round: {lower} > {upper}"));
         }
@@ -155,8 +137,13 @@ fn joint(described: &urdf_rs::Joint) -> Result<Joint, String> {
     Ok(joint)
 }
 
-fn link_of(link: &urdf_rs::Link) -> Result<Option<Link>, String> {
-    let (mass, com) = (link.inertial.mass.value, Vector3::from(link.inertial.origin.xyz.0));
+/// Whether a joint of this type has limits.
+fn limited(described: &UrdfJoint) -> bool {
+    matches!(described.kind.as_str(), "revolute" | "prismatic")
+}
+
+fn link_of(link: &UrdfLink) -> Result<Option<Link>, String> {
+    let (mass, com) = (link.mass, Vector3::from(link.com));
     if !mass.is_finite() || mass < 0.0 || !com.iter().all(|v| v.is_finite()) {
         return Err(format!(
             "the inertial of link `{}` has a mass of {mass} kg; it has to be 0 or more",
@@ -167,14 +154,14 @@ fn link_of(link: &urdf_rs::Link) -> Result<Option<Link>, String> {
 }
 
 /// Links that hang beside the path have weight, too, which a serial chain does not carry.
-fn warn_of_side_branches(robot: &urdf_rs::Robot, joints: &[Joint], path: &Path, warnings: &mut Vec<Warning>) {
+fn warn_of_side_branches(robot: &Urdf, joints: &[Joint], path: &Path, warnings: &mut Vec<Warning>) {
     let on_path = |name: &str| joints.iter().any(|joint| joint.name == name);
     let Some(first) = robot.joints.iter().find(|joint| joints.first().is_some_and(|j| j.name == joint.name))
     else {
         return;
     };
     // Everything that the first joint moves, by walking outwards.
-    let mut moved: Vec<&str> = vec![&first.child.link];
+    let mut moved: Vec<&str> = vec![&first.child];
     let mut next = 0;
     while next < moved.len() && moved.len() <= robot.links.len() {
         let link = moved[next];
@@ -182,20 +169,20 @@ fn warn_of_side_branches(robot: &urdf_rs::Robot, joints: &[Joint], path: &Path, 
             robot
                 .joints
                 .iter()
-                .filter(|joint| joint.parent.link == link)
-                .map(|joint| joint.child.link.as_str()),
+                .filter(|joint| joint.parent == link)
+                .map(|joint| joint.child.as_str()),
         );
         next += 1;
     }
-    let beside: Vec<&urdf_rs::Link> = robot
+    let beside: Vec<&UrdfLink> = robot
         .joints
         .iter()
-        .filter(|joint| !on_path(&joint.name) && moved.contains(&joint.child.link.as_str()))
-        .filter_map(|joint| robot.links.iter().find(|link| link.name == joint.child.link))
-        .filter(|link| link.inertial.mass.value > 0.0)
+        .filter(|joint| !on_path(&joint.name) && moved.contains(&joint.child.as_str()))
+        .filter_map(|joint| robot.links.iter().find(|link| link.name == joint.child))
+        .filter(|link| link.mass > 0.0)
         .collect();
     if !beside.is_empty() {
-        let kg: f64 = beside.iter().map(|link| link.inertial.mass.value).sum();
+        let kg: f64 = beside.iter().map(|link| link.mass).sum();
         let names: Vec<&str> = beside.iter().map(|link| link.name.as_str()).collect();
         let message = format!(
             "the links {} are not on the path from base to tip; their weight ({kg} kg) is ignored",
@@ -203,16 +190,6 @@ fn warn_of_side_branches(robot: &urdf_rs::Robot, joints: &[Joint], path: &Path, 
         );
         warnings.push(Warning { file: path.into(), line: None, column: None, message });
     }
-}
-
-/// The place of the element that a message of the URDF library names in brackets or backquotes, if any.
-fn culprit(message: &str, tags: &[super::xml_places::Tag<'_>]) -> usize {
-    message
-        .split(['[', ']', '`', '"', '\''])
-        .skip(1)
-        .step_by(2)
-        .find_map(|word| tags.iter().find(|tag| tag.name == Some(word)))
-        .map_or(0, |tag| tag.at)
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@
 //! against a last joint that moves itself, a link behind it with a fixed joint, at the file's end.
 
 use super::names::unprintable;
-use super::xml_places::{Tag, attribute, tags};
+use super::urdf_text::{Urdf, UrdfJoint};
 use crate::IoError;
 use crate::text::Text;
 use std::fmt::Write;
@@ -41,44 +41,33 @@ pub fn corrected_urdf(
     correction: &UrdfCorrection,
 ) -> Result<String, IoError> {
     let text = Text::read(path.as_ref())?;
-    let tags = tags(&text.text).map_err(|(at, message)| text.error(at, message))?;
-    let robot = tags
-        .first()
-        .filter(|tag| tag.element == "robot")
-        .ok_or_else(|| text.error(0, "is not a URDF: it does not begin with <robot>"))?;
-    let described = urdf_rs::read_from_string(&text.text).map_err(|error| {
-        text.error(0, format!("is not a valid URDF: {}", error.to_string().replace('\n', "; ")))
-    })?;
+    let robot = Urdf::read(&text)?;
     if correction.origins.len() != nominal.joints().len() {
         let (have, need) = (correction.origins.len(), nominal.joints().len());
         return Err(IoError::file(path.as_ref(), format!("{have} origins are given for {need} joints")));
     }
-    let mut edits = vec![Edit { at: robot.end..robot.end, with: comment(&correction.comment) }];
+    let mut edits = vec![Edit { at: robot.opened..robot.opened, with: comment(&correction.comment) }];
     let last = nominal.joints().len().saturating_sub(1);
     // Link behind each joint.
     let mut links: Vec<&str> = Vec::with_capacity(nominal.joints().len());
     for (index, (joint, corrected)) in nominal.joints().iter().zip(&correction.origins).enumerate() {
-        let Some(element) = joint_element(&tags, &joint.name) else {
+        let Some(found) = robot.joints.iter().find(|described| described.name == joint.name) else {
             return Err(
                 text.error(robot.at, format!("has no joint `{}`, which the fit's robot has", joint.name))
             );
         };
-        let refused =
-            |message: String| text.error(element[0].at, format!("joint `{}` {message}", joint.name));
-        let Some(found) = described.joints.iter().find(|described| described.name == joint.name) else {
-            return Err(refused("cannot be read".into()));
-        };
+        let refused = |message: String| text.error(found.at, format!("joint `{}` {message}", joint.name));
         let before = nominal.before(JointId(index + 1)).0.checked_sub(1);
-        if before.is_some_and(|k| links.get(k).is_none_or(|link| *link != found.parent.link)) {
+        if before.is_some_and(|k| links.get(k).is_none_or(|link| *link != found.parent)) {
             return Err(refused("does not follow the joint in front of it in the fit's robot".into()));
         }
-        links.push(&found.child.link);
+        links.push(&found.child);
         let Placement::Origin { pose, .. } = joint.placement else {
             return Err(refused(
                 "is described in the fit's robot by a row of Denavit and Hartenberg, not by this URDF".into(),
             ));
         };
-        let here = Pose::from_xyz_rpy(found.origin.xyz.0, found.origin.rpy.0);
+        let here = found.origin;
         let (off, turned) =
             ((here.translation - pose.translation).amax(), (here.rotation - pose.rotation).amax());
         if off.max(turned) > SAME {
@@ -90,16 +79,15 @@ pub fn corrected_urdf(
         if index == last && !joint.moves() {
             wanted = wanted * correction.behind;
         }
-        edit_origin(&text.text, element, &pose, &wanted, &mut edits);
+        edit_origin(found, &pose, &wanted, &mut edits);
     }
     let moves = nominal.joints().last().is_some_and(|joint| joint.moves());
     if moves && correction.behind != Pose::IDENTITY {
-        for (kind, name) in [("link", ADDED_LINK), ("joint", ADDED_JOINT)] {
-            if let Some(tag) = tags.iter().find(|tag| tag.element == kind && tag.name == Some(name)) {
-                return Err(
-                    text.error(tag.at, format!("has a {kind} `{name}` already: give the original file"))
-                );
-            }
+        let link = robot.links.iter().find(|link| link.name == ADDED_LINK).map(|link| ("link", ADDED_LINK, link.at));
+        let joint = robot.joints.iter().find(|joint| joint.name == ADDED_JOINT);
+        let joint = joint.map(|joint| ("joint", ADDED_JOINT, joint.at));
+        if let Some((kind, name, at)) = link.or(joint) {
+            return Err(text.error(at, format!("has a {kind} `{name}` already: give the original file")));
         }
         let end = text.text.rfind("</robot").unwrap_or(text.text.len());
         edits.push(Edit {
@@ -129,16 +117,8 @@ fn edited(text: &str, mut edits: Vec<Edit>) -> String {
     out
 }
 
-/// The opening tags of a joint and of everything in it. Transmissions and controllers name joints, too, deeper down.
-fn joint_element<'t, 'a>(tags: &'t [Tag<'a>], name: &str) -> Option<&'t [Tag<'a>]> {
-    let first =
-        tags.iter().position(|tag| tag.depth == 1 && tag.element == "joint" && tag.name == Some(name))?;
-    let inner = tags[first + 1..].iter().take_while(|tag| tag.depth > 1).count();
-    Some(&tags[first..=first + inner])
-}
-
-/// The edits that turn one origin into another; numbers that stay are left as they are written.
-fn edit_origin(text: &str, element: &[Tag<'_>], from: &Pose, to: &Pose, edits: &mut Vec<Edit>) {
+/// The edits that turn the origin of a joint into another; numbers that stay are left as they are written.
+fn edit_origin(joint: &UrdfJoint, from: &Pose, to: &Pose, edits: &mut Vec<Edit>) {
     let triple = |v: [f64; 3]| v.map(|x| format!("{x:?}")).join(" ");
     let (xyz, rpy) = (triple(to.translation.into()), triple(to.rpy()));
     let moved = from.translation != to.translation;
@@ -146,19 +126,22 @@ fn edit_origin(text: &str, element: &[Tag<'_>], from: &Pose, to: &Pose, edits: &
     if !moved && !turned {
         return;
     }
-    let Some(origin) = element.iter().find(|tag| tag.depth == 2 && tag.element == "origin") else {
-        let end = element[0].end;
-        edits.push(Edit { at: end..end, with: format!("<origin xyz=\"{xyz}\" rpy=\"{rpy}\"/>") });
+    let Some(origin) = &joint.written else {
+        let at = joint.opened..joint.opened;
+        edits.push(Edit { at, with: format!("<origin xyz=\"{xyz}\" rpy=\"{rpy}\"/>") });
         return;
     };
-    let tag = &text[origin.at..origin.end];
-    let after_word = origin.at + "<origin".len();
-    for (name, value, changed) in [("xyz", xyz, moved), ("rpy", rpy, turned)] {
-        match attribute(tag, name) {
-            _ if !changed => {}
-            Some(at) => edits.push(Edit { at: origin.at + at.start..origin.at + at.end, with: value }),
-            None => edits.push(Edit { at: after_word..after_word, with: format!(" {name}=\"{value}\"") }),
-        }
+    let mut put = |value: &Option<Range<usize>>, name: &str, with: String| match value {
+        Some(at) => edits.push(Edit { at: at.clone(), with }),
+        None => edits.push(Edit { at: origin.named..origin.named, with: format!(" {name}=\"{with}\"") }),
+    };
+    if moved {
+        put(&origin.xyz, "xyz", xyz);
+    }
+    match &origin.quat_xyzw {
+        _ if !turned => {}
+        Some(at) => edits.push(Edit { at: at.clone(), with: format!("rpy=\"{rpy}\"") }),
+        None => put(&origin.rpy, "rpy", rpy),
     }
 }
 

@@ -1,12 +1,13 @@
 //! `<mimic>` of a URDF's joints.
 
+use super::urdf_text::UrdfJoint;
 use crate::IoError;
 use crate::nearest::listed;
 use truepose_kinematics::{JointId, Mimic};
 
 /// The joints of a path that follow others on it; `error` makes an error at a joint.
 pub(super) fn urdf_mimics(
-    on_path: &[&urdf_rs::Joint],
+    on_path: &[&UrdfJoint],
     error: impl Fn(&str, String) -> IoError,
 ) -> Result<Vec<Mimic>, IoError> {
     let place = |name: &str| on_path.iter().position(|joint| joint.name == name);
@@ -34,7 +35,7 @@ pub(super) fn urdf_mimics(
             let message = format!("joint `{name}` cannot mimic: joints follow each other in a circle");
             return Err(error(name, message));
         }
-        let (ratio, offset) = (mimic.multiplier.unwrap_or(1.0), mimic.offset.unwrap_or(0.0));
+        let (ratio, offset) = (mimic.ratio, mimic.offset);
         mimics.push(Mimic { joint: JointId(k + 1), driver: JointId(driver + 1), ratio, offset });
     }
     Ok(mimics)

@@ -1,43 +1,44 @@
 //! The way from a URDF's base link to its tip link.
 
+use super::urdf_text::{Urdf, UrdfJoint};
 use super::{MOST_JOINTS, RobotOptions};
 use crate::nearest::{listed, meant};
 use std::collections::{HashMap, HashSet};
 
-/// Why there is no way, and the element that is to blame.
+/// Why there is no way, and the joint that is to blame.
 #[derive(Debug)]
 pub(super) struct NoPath {
-    pub element: Option<(&'static str, String)>,
+    pub joint: Option<String>,
     pub message: String,
 }
 
 impl NoPath {
     fn new(message: impl Into<String>) -> Self {
-        NoPath { element: None, message: message.into() }
+        NoPath { joint: None, message: message.into() }
     }
 }
 
 /// The joints from base to tip, in order.
 pub(super) fn path_between<'a>(
-    robot: &'a urdf_rs::Robot,
+    robot: &'a Urdf,
     options: &RobotOptions,
-) -> Result<Vec<&'a urdf_rs::Joint>, NoPath> {
+) -> Result<Vec<&'a UrdfJoint>, NoPath> {
     let links = || robot.links.iter().map(|link| link.name.as_str());
     let declared: HashSet<&str> = links().collect();
-    let mut above: HashMap<&str, &urdf_rs::Joint> = HashMap::new();
+    let mut above: HashMap<&str, &UrdfJoint> = HashMap::new();
     for joint in &robot.joints {
-        for end in [&joint.parent.link, &joint.child.link] {
+        for end in [&joint.parent, &joint.child] {
             if !declared.contains(end.as_str()) {
                 return Err(NoPath {
-                    element: Some(("joint", joint.name.clone())),
+                    joint: Some(joint.name.clone()),
                     message: format!("joint `{}` refers to a link `{end}` that is not declared", joint.name),
                 });
             }
         }
-        if above.insert(&joint.child.link, joint).is_some() {
+        if above.insert(joint.child.as_str(), joint).is_some() {
             return Err(NoPath {
-                element: Some(("joint", joint.name.clone())),
-                message: format!("link `{}` is the child of two joints", joint.child.link),
+                joint: Some(joint.name.clone()),
+                message: format!("link `{}` is the child of two joints", joint.child),
             });
         }
     }
@@ -81,11 +82,11 @@ pub(super) fn path_between<'a>(
 }
 
 fn only_leaf<'a>(
-    robot: &'a urdf_rs::Robot,
-    above: &HashMap<&str, &'a urdf_rs::Joint>,
+    robot: &'a Urdf,
+    above: &HashMap<&str, &'a UrdfJoint>,
     base: &str,
 ) -> Result<&'a str, NoPath> {
-    let parents: HashSet<&str> = robot.joints.iter().map(|joint| joint.parent.link.as_str()).collect();
+    let parents: HashSet<&str> = robot.joints.iter().map(|joint| joint.parent.as_str()).collect();
     let leaves: Vec<&str> = robot
         .links
         .iter()
@@ -108,10 +109,10 @@ fn only_leaf<'a>(
 }
 
 fn climb<'a>(
-    above: &HashMap<&str, &'a urdf_rs::Joint>,
+    above: &HashMap<&str, &'a UrdfJoint>,
     base: &str,
     tip: &str,
-) -> Option<Vec<&'a urdf_rs::Joint>> {
+) -> Option<Vec<&'a UrdfJoint>> {
     let mut joints = Vec::new();
     let mut link = tip;
     while link != base {
@@ -120,7 +121,7 @@ fn climb<'a>(
         if joints.len() > MOST_JOINTS.min(above.len()) {
             return None;
         }
-        link = &joint.parent.link;
+        link = &joint.parent;
     }
     joints.reverse();
     Some(joints)

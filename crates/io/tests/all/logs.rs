@@ -1,7 +1,5 @@
 //! Tables of logs and inspection programs: columns between blanks, names in a comment, units below names, thousands, commanded values.
 
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
-
 use truepose_errormodel::Dataset;
 use truepose_io::{ColumnMap, MeasurementsOptions, read_measurements};
 use truepose_kinematics::samples;

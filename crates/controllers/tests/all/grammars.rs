@@ -1,7 +1,5 @@
 //! What is a point in each language and what is none, on small programs.
 
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
-
 use truepose_controllers::{Branch, Dialect, Program, Reference, Replacement, Value};
 
 fn read(dialect: Dialect, text: &str, others: &[&str]) -> Program {

@@ -1,8 +1,6 @@
 //! Every export is read back and predicted with.
 
-mod fits;
-
-use fits::{Draw, elastic, fitted, of};
+use crate::fits::{Draw, elastic, fitted, of};
 use std::cell::OnceCell;
 use truepose_compensate::{
     AxisConvention, AxisLink, AxisTableOptions, CompensateError, ExportOptions, axis_table, corrected_chain,

@@ -1,8 +1,6 @@
 //! A robot with two hands on a torso that bends: one hand is brought to the other, and a command for one hand leaves the other's joints alone.
 
-mod fits;
-
-use fits::{Draw, fitted};
+use crate::fits::{Draw, fitted};
 use truepose_compensate::{CompensateError, Compensator, CompensatorOptions, Status, Target};
 use truepose_errormodel::{FittedModel, Schema};
 use truepose_kinematics::nalgebra::Vector3;

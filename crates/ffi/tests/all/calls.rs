@@ -1,10 +1,7 @@
 //! The functions of the header, called as C calls them.
 
 #![allow(unsafe_code)]
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 #![allow(clippy::undocumented_unsafe_blocks, reason = "every pointer here is of a local variable, or null")]
-
-mod fits;
 
 use std::ffi::{CStr, CString};
 use std::ptr::{null, null_mut};

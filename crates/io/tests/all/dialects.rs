@@ -1,7 +1,5 @@
 //! Exports as ten offices write them: each is read, at the latest after what the first error proposes.
 
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
-
 use truepose_errormodel::Dataset;
 use truepose_io::{ColumnMap, MeasurementsOptions, OrientationConvention, read_measurements};
 use truepose_kinematics::{Chain, Load, Pose, Target, nalgebra::Vector3, samples};

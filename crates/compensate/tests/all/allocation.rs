@@ -1,8 +1,6 @@
 //! No command allocates: counted by an allocator that counts.
 
-mod fits;
-
-use fits::{Draw, elastic, fitted, load, target_at};
+use crate::fits::{Draw, elastic, fitted, load, target_at};
 use std::sync::Arc;
 use truepose_compensate::{Approach, Compensator, CompensatorOptions, Status, Target};
 use truepose_errormodel::{Fallback, FittedModel, Schema};

@@ -1,7 +1,5 @@
 //! What the program says of columns under names of their own: one complete proposal, which makes the next try work.
 
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
-
 use std::fmt::Write;
 use truepose_io::{ColumnMap, MeasurementsOptions, OrientationConvention, read_measurements};
 use truepose_kinematics::{Chain, Pose, samples};

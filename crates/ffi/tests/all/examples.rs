@@ -7,9 +7,6 @@
     clippy::print_stdout,
     reason = "a test says what it skipped, and fails by panicking"
 )]
-#![cfg(unix)]
-
-mod fits;
 
 use std::path::{Path, PathBuf};
 use std::process::Command;

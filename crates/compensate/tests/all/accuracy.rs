@@ -1,8 +1,6 @@
 //! Bands hold what they promise, maps show it.
 
-mod fits;
-
-use fits::{Draw, elastic};
+use crate::fits::{Draw, elastic};
 use truepose_compensate::{MapGrid, MapOptions, Status, accuracy_map, predicted_error};
 use truepose_errormodel::{FittedModel, Schema};
 use truepose_kinematics::nalgebra::Vector3;

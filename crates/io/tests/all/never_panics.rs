@@ -1,7 +1,5 @@
 //! Spoiled files of every kind are refused or read, and never make a reader panic.
 
-#![allow(clippy::unwrap_used)] // a folder that cannot be made fails the test
-
 use proptest::prelude::*;
 use proptest::sample::Index;
 use std::path::Path;

@@ -1,8 +1,6 @@
 //! Lists of commands: what is computed side by side is what one after the other says, and the exact model agrees.
 
-mod fits;
-
-use fits::{Draw, beside, elastic, fitted, load, target_at};
+use crate::fits::{Draw, beside, elastic, fitted, load, target_at};
 use truepose_compensate::{
     Approach, Command, CommandRequest, Compensator, CompensatorOptions, Status, Target,
 };

@@ -1,10 +1,6 @@
 //! 200 programs of every language and their mutations: what is no point stays byte for byte, what is read is what was written.
 
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
-
-mod programs;
-
-use programs::{Draw, mutated, program};
+use crate::programs::{Draw, mutated, program};
 use std::ops::Range;
 use truepose_controllers::{Dialect, Point, Program, Replacement, Value};
 use truepose_kinematics::Pose;

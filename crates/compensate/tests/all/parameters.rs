@@ -1,8 +1,6 @@
 //! The fitted robot in the numbers of its own description, read back and predicted with.
 
-mod fits;
-
-use fits::{Draw, elastic, of};
+use crate::fits::{Draw, elastic, of};
 use truepose_compensate::{
     AxisConvention, CompensateError, ExportOptions, ParameterTable, PartKind, parameter_table,
 };

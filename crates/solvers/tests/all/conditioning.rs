@@ -1,5 +1,4 @@
 //! The cones on columns that are nearly, or exactly, dependent: optimality to 1e-7 relative, measured on the rows.
-#![cfg(feature = "clarabel")]
 
 use truepose_solvers::nalgebra::{DMatrix, DVector};
 use truepose_solvers::{

@@ -1,8 +1,6 @@
 //! predict(command(x)) = x, for robots of every kind; what cannot be reached is never `ok`.
 
-mod fits;
-
-use fits::{Draw, beside, fitted, load, target_at};
+use crate::fits::{Draw, beside, fitted, load, target_at};
 use truepose_compensate::{Approach, Command, Compensator, CompensatorOptions, Status, Target};
 use truepose_errormodel::{FittedModel, Schema};
 use truepose_kinematics::nalgebra::{Matrix3, Vector3};

@@ -121,7 +121,7 @@ fn the_real_robot_is_in_the_socket_from_many_postures() {
 #[test]
 fn the_example_measures_what_it_lists() {
     let of =
-        observed_in(include_str!("../examples/cell.toml"), &Surroundings::default()).expect("a campaign");
+        observed_in(include_str!("../../examples/cell.toml"), &Surroundings::default()).expect("a campaign");
     let rows = ["A", "B", "wire", "table", "ball", "laser"].map(|name| of.rows(name).len());
     assert_eq!((rows, of.data().len()), ([20, 20, 40, 40, 30, 40], 190));
     // Mixed: hardly ever do more than ten rows of one landmark follow each other.

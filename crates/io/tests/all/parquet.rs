@@ -1,8 +1,5 @@
 //! Parquet beside CSV: the same rows, the same rules, errors with file, column and row.
 
-#![cfg(feature = "parquet")]
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
-
 use parquet::basic::{ConvertedType, Repetition, Type as Physical};
 use parquet::data_type::{ByteArray, ByteArrayType, DoubleType, FloatType, Int64Type};
 use parquet::file::properties::WriterProperties;

@@ -1,0 +1,7 @@
+//! Robot programs of all dialects: one binary, a topic a module.
+
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+mod corpus;
+mod grammars;
+mod programs;
