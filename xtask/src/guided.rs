@@ -1,7 +1,7 @@
 //! Readers under libFuzzer: `cargo xtask guided READER -max_total_time=600`.
 //!
-//! What `cargo fuzz` does, without it and with the stable toolchain: the package `fuzz`, a workspace of its own, is compiled with counters at
-//! every edge of the program and run on `fuzz/corpus/READER`. New inputs go to `target/fuzz/guided/READER`, findings to `target/fuzz`.
+//! What `cargo fuzz` does, without it and with the stable toolchain: the package `lab/guided`, a workspace of its own, is compiled with counters at
+//! every edge of the program and run on `lab/guided/corpus/READER`. New inputs go to `target/fuzz/guided/READER`, findings to `target/fuzz`.
 
 use crate::finished;
 use anyhow::{Context, Result};
@@ -15,7 +15,7 @@ const FLAGS: &str = "-Cpasses=sancov-module -Cllvm-args=-sanitizer-coverage-leve
 
 /// Builds and runs it; further words are libFuzzer's.
 pub fn run(root: &Path, reader: &str, rest: &[String]) -> Result<()> {
-    let package = root.join("fuzz");
+    let package = root.join("lab/guided");
     // Named, so that build scripts are compiled without counters.
     let version = Command::new("rustc").arg("-vV").output().context("rustc")?;
     let version = String::from_utf8(version.stdout)?;

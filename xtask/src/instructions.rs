@@ -2,7 +2,7 @@
 //!
 //! Wall times on a shared machine are not stable; numbers of instructions are. Each job runs on one thread, on files that ship with the
 //! project, under Valgrind's cachegrind without its model of a cache. A job that takes over 3 % more than its number in
-//! `crates/bench/instructions.toml` is a failure. One that takes over 3 % less asks for new numbers (`--write`), or else the gain could be lost
+//! `xtask/instructions.toml` is a failure. One that takes over 3 % less asks for new numbers (`--write`), or else the gain could be lost
 //! unseen. The program is that of the tests' profile, which CI has built already; numbers are those of one version of rustc.
 
 use crate::finished;
@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-const FILE: &str = "crates/bench/instructions.toml";
+const FILE: &str = "xtask/instructions.toml";
 /// Share by which a number may differ from the one in the file.
 const TOLERANCE: f64 = 0.03;
 const HEAD: &str = "# Instructions of the program's main jobs, in millions: made by `cargo xtask instructions --write`, held by `cargo xtask instructions`.";

@@ -8,6 +8,7 @@ mod coverage;
 mod guided;
 mod header;
 mod instructions;
+mod lab;
 mod tidy;
 
 use anyhow::{Context, Result, bail};
@@ -34,7 +35,7 @@ enum Verb {
         #[arg(long)]
         write: bool,
     },
-    /// Instructions of the program's main jobs against crates/bench/instructions.toml, where Valgrind is installed.
+    /// Instructions of the program's main jobs against xtask/instructions.toml, where Valgrind is installed.
     Instructions {
         /// Write the file instead.
         #[arg(long)]
@@ -76,6 +77,14 @@ enum Verb {
         #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
         rest: Vec<String>,
     },
+    /// Micro-benchmarks of kernels, in release.
+    Micro {
+        /// Which: commands, compensate, errormodel, ffi, identify, kinematics, solvers.
+        kernels: String,
+        /// Passed on to divan: a filter, `--sample-count 20`.
+        #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
+        rest: Vec<String>,
+    },
     /// Workloads against the peers, in release; leaves its numbers in target/bench.
     Bench {
         /// Passed on: workloads, `--rounds 15`, `--against old.json`.
@@ -104,44 +113,13 @@ fn run(verb: Verb) -> Result<()> {
         Verb::Tidy => tidy::run(&root),
         Verb::Header { write } => header::run(&root, write),
         Verb::Instructions { write } => instructions::run(&root, write),
-        Verb::Study { name, rest } => finished(
-            Command::new("cargo")
-                .args(["run", "--release", "--package", "truepose-studies", "--bin", "study", "--"])
-                .arg(name)
-                .args(rest)
-                .current_dir(&root),
-        ),
-        Verb::Fuzz { target, rest } => finished(
-            Command::new("cargo")
-                .args([
-                    "run",
-                    "--release",
-                    "--package",
-                    "truepose-tests",
-                    "--features",
-                    "parquet",
-                    "--example",
-                    "fuzz",
-                    "--",
-                ])
-                .arg(target)
-                .args(rest)
-                .current_dir(&root),
-        ),
+        Verb::Study { name, rest } => lab::program(&root, "studies", "study", &[&[name], &rest[..]].concat()),
+        Verb::Fuzz { target, rest } => lab::program(&root, "fuzz", "fuzz", &[&[target], &rest[..]].concat()),
         Verb::Guided { reader, rest } => guided::run(&root, &reader, &rest),
         Verb::Coverage { packages } => coverage::run(&root, &packages),
-        Verb::Metamorphic { rest } => finished(
-            Command::new("cargo")
-                .args(["run", "--release", "--package", "truepose-tests", "--example", "metamorphic", "--"])
-                .args(rest)
-                .current_dir(&root),
-        ),
-        Verb::Bench { rest } => finished(
-            Command::new("cargo")
-                .args(["run", "--release", "--package", "truepose-bench", "--bin", "bench", "--"])
-                .args(rest)
-                .current_dir(&root),
-        ),
+        Verb::Metamorphic { rest } => lab::program(&root, "metamorphic", "metamorphic", &rest),
+        Verb::Bench { rest } => lab::program(&root, "bench", "bench", &rest),
+        Verb::Micro { kernels, rest } => lab::kernels(&root, &kernels, &rest),
     }
 }
 

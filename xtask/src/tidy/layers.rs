@@ -82,7 +82,8 @@ pub fn check(Table(table): &Table, packages: &[Package]) -> Vec<Finding> {
             continue;
         };
         for (on, kind) in &package.dependencies {
-            if members.contains(on.as_str()) && !allowed.contains(on) {
+            let ours = members.contains(on.as_str()) || on.starts_with("truepose-");
+            if ours && !allowed.contains(on) {
                 findings.push(Finding(format!(
                     "{} has a {kind} dependency on {on}, which its layer does not allow",
                     package.name

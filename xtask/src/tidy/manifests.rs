@@ -7,8 +7,7 @@ const LICENCE: &str = "MIT OR Apache-2.0";
 
 /// Looks at each crate's licence field, its README, and whether the crate's page includes it; and at the
 /// licences' texts at the root.
-pub fn check(metadata: &serde_json::Value, files: &[SourceFile]) -> Result<Vec<Finding>> {
-    let root = metadata["workspace_root"].as_str().context("cargo metadata has no root")?;
+pub fn check(root: &str, metadata: &serde_json::Value, files: &[SourceFile]) -> Result<Vec<Finding>> {
     let mut findings: Vec<Finding> = ["LICENSE-MIT", "LICENSE-APACHE"]
         .iter()
         .filter(|name| !files.iter().any(|file| file.path == **name))
@@ -21,8 +20,8 @@ pub fn check(metadata: &serde_json::Value, files: &[SourceFile]) -> Result<Vec<F
         }
         let manifest = package["manifest_path"].as_str().context("a package without a manifest")?;
         let folder = manifest.strip_prefix(root).and_then(|p| p.strip_suffix("Cargo.toml"));
-        let folder = folder.context("a crate outside the workspace")?.trim_start_matches('/');
-        if folder.starts_with("crates/") {
+        let folder = folder.context("a crate outside the repository")?.trim_start_matches('/');
+        if folder.starts_with("crates/") || folder.starts_with("lab/") {
             findings.extend(front_page(name, folder, files));
         }
     }
@@ -48,7 +47,7 @@ mod tests {
 
     #[track_caller]
     fn check_says(licence: &str, files: &[(&str, &str)], expected: usize) {
-        let metadata = serde_json::json!({"workspace_root": "/x", "packages": [
+        let metadata = serde_json::json!({"packages": [
             {"name": "a", "license": licence, "manifest_path": "/x/crates/a/Cargo.toml"}]});
         let licences = [("LICENSE-MIT", ""), ("LICENSE-APACHE", "")];
         let files: Vec<SourceFile> = files
@@ -56,7 +55,7 @@ mod tests {
             .chain(&licences)
             .map(|(path, text)| SourceFile { path: path.to_string(), text: text.to_string() })
             .collect();
-        let found = check(&metadata, &files).expect("metadata");
+        let found = check("/x", &metadata, &files).expect("metadata");
         assert_eq!(found.len(), expected, "{found:?}");
     }
 

@@ -1,6 +1,6 @@
 //! `cargo xtask tidy`: the rules of the house that no other tool knows.
 //!
-//! Each check reads the tree and returns what it found; nothing is changed. A *fault* fails the run, a
+//! The tree has two workspaces, the project and `lab`; what is about manifests is checked in both. Each check reads the tree and returns what it found; nothing is changed. A *fault* fails the run, a
 //! *warning* does not.
 
 mod layers;
@@ -15,7 +15,7 @@ mod unused;
 mod words;
 
 use anyhow::{Context, Result, bail};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// A fault that a check has found: what is wrong, and where.
@@ -34,23 +34,25 @@ pub struct SourceFile {
 /// Runs every check.
 pub fn run(root: &Path) -> Result<()> {
     let files = tracked_files(root)?;
-    let metadata = metadata(root)?;
-    let manifest = std::fs::read_to_string(root.join("Cargo.toml")).context("cannot read Cargo.toml")?;
+    let deny = text(root, "deny.toml")?;
+    let here = root.to_str().context("the path of the repository is not UTF-8")?;
+    let manifest = text(root, "Cargo.toml")?;
     let table = layers::Table::from_manifest(&manifest)?;
-
+    let metadata = metadata_of(root, &["--no-deps"])?;
     let mut findings = layers::check(&table, &layers::packages(&metadata)?);
-    findings.extend(manifests::check(&metadata, &files)?);
-    let deny = std::fs::read_to_string(root.join("deny.toml")).context("cannot read deny.toml")?;
-    findings.extend(supply::check(
-        &metadata_of(root, &["--all-features", "--filter-platform", "x86_64-unknown-linux-gnu"])?,
-        &deny,
-    )?);
+    for (folder, metadata) in [(root.to_path_buf(), metadata), lab(root)?] {
+        let manifest = text(&folder, "Cargo.toml")?;
+        findings.extend(manifests::check(here, &metadata, &files)?);
+        findings.extend(supply::check(
+            &metadata_of(&folder, &["--all-features", "--filter-platform", "x86_64-unknown-linux-gnu"])?,
+            &deny,
+        )?);
+        findings.extend(minimal::check(&manifest, &text(&folder, "Cargo.lock")?)?);
+        findings.extend(unused::check(here, &metadata, &manifest, &files)?);
+    }
     findings.extend(length::check(&files));
     findings.extend(modules::check(&files));
     findings.extend(links::check(&files));
-    let lock = std::fs::read_to_string(root.join("Cargo.lock")).context("cannot read Cargo.lock")?;
-    findings.extend(minimal::check(&manifest, &lock)?);
-    findings.extend(unused::check(&metadata, &manifest, &files)?);
     findings.extend(names::check(&files));
     findings.extend(words::check(&files));
 
@@ -87,12 +89,21 @@ fn tracked_files(root: &Path) -> Result<Vec<SourceFile>> {
     Ok(files)
 }
 
-/// `cargo metadata` of the workspace's own crates.
-fn metadata(root: &Path) -> Result<serde_json::Value> {
-    metadata_of(root, &["--no-deps"])
+/// The folder of the second workspace, and its own crates. They may depend on every crate, and no crate of the project on one of them:
+/// its table of layers has none.
+fn lab(root: &Path) -> Result<(PathBuf, serde_json::Value)> {
+    let folder = root.join("lab");
+    let metadata = metadata_of(&folder, &["--no-deps"])?;
+    Ok((folder, metadata))
 }
 
-/// `cargo metadata` with these options.
+/// The text of a file.
+fn text(folder: &Path, name: &str) -> Result<String> {
+    let path = folder.join(name);
+    std::fs::read_to_string(&path).with_context(|| format!("cannot read {}", path.display()))
+}
+
+/// `cargo metadata` of the workspace in a folder, with these options.
 fn metadata_of(root: &Path, options: &[&str]) -> Result<serde_json::Value> {
     let output = Command::new("cargo")
         .args(["metadata", "--format-version", "1", "--locked"])

@@ -1,13 +1,11 @@
-//! `cargo bench -p truepose-compensate --bench kernels`: one command from the nominal joints. `--bench commands` has distributions.
+//! `cargo xtask micro compensate`: one command from the nominal joints. `cargo xtask micro commands` has distributions.
 
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
 use truepose_compensate::{Compensator, CompensatorOptions};
 use truepose_errormodel::Schema;
 use truepose_kinematics::{Chain, Conditions, samples};
-
-#[path = "../tests/all/fits/mod.rs"]
-mod fits;
+use truepose_micro::{Draw, elastic, load, target_at};
 
 fn main() {
     divan::main();
@@ -24,13 +22,13 @@ fn arm(name: &str) -> Chain {
 #[divan::bench(args = ["ur10", "heavy", "seven"])]
 fn command(bencher: Bencher<'_, '_>, name: &str) {
     let chain = arm(name);
-    let fitted = fits::elastic(&chain, 1);
+    let fitted = elastic(&chain, 1);
     let options = CompensatorOptions::default();
     let mut compensator =
         Compensator::bind(&fitted, &Schema { load: true, ..Schema::default() }, options).expect("it binds");
-    let joints = fits::Draw(3).joints(&chain, 0.5);
-    let conditions = Conditions::at(&chain, &joints).with_load(fits::load(&chain));
-    let target = fits::target_at(&chain.forward(&joints));
+    let joints = Draw(3).joints(&chain, 0.5);
+    let conditions = Conditions::at(&chain, &joints).with_load(load(&chain));
+    let target = target_at(&chain.forward(&joints));
     bencher
         .counter(ItemsCount::new(1_usize))
         .bench_local(|| compensator.command(black_box(&target), &conditions, Some(&joints)).status);

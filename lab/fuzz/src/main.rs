@@ -1,11 +1,4 @@
-//! Throws spoiled input at everything that reads: `cargo xtask fuzz TARGET --inputs 1000000`, or `--for 1h` for each target.
-//!
-//! Inputs are good files and the corpus of `tests/spoiled`, of which bytes, pieces and lines are changed, moved, repeated and
-//! crossed. A finding is a panic, an input that takes longer than a second, or more than a gigabyte in use; it is written to
-//! `target/fuzz/` and ends the run with exit code 1. An input with an answer that no input had before (a message, without its names
-//! and numbers) is spoiled further, and kept in `target/fuzz/corpus/TARGET` for the next run. The same seed and the same corpus give
-//! the same inputs.
-
+#![doc = include_str!("../README.md")]
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a program for developers")]
 
 use rand::{RngExt, SeedableRng};
@@ -26,17 +19,7 @@ const SLOW: Duration = Duration::from_secs(1);
 const LARGEST: u64 = 1 << 30;
 /// Kept inputs of a target, at most.
 const MOST: usize = 4000;
-const TARGETS: &[&str] = &[
-    "robot",
-    "urdf",
-    "measurements",
-    "model",
-    "fit",
-    "poses",
-    "solver",
-    #[cfg(feature = "parquet")]
-    "parquet",
-];
+const TARGETS: &[&str] = &["robot", "urdf", "measurements", "model", "fit", "poses", "solver", "parquet"];
 
 const PIECES: [&str; 40] = [
     "nan",
@@ -125,11 +108,11 @@ fn time(text: &str) -> Option<Duration> {
 
 /// Findings and the corpus.
 fn kept() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../target/fuzz")
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../target/fuzz")
 }
 
 fn corpus() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("spoiled")
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/spoiled")
 }
 
 fn target(name: &'static str) -> Target {

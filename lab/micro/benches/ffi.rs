@@ -1,13 +1,10 @@
-//! Time of commands through the C interface beside the same through Rust, in turn: `cargo bench -p truepose-ffi --bench latency`.
+//! Time of commands through the C interface beside the same through Rust, in turn: `cargo xtask micro ffi`.
 //! Totals are of 100 000 commands, the best of five; single calls each the best of three (on a busy machine the slowest of one would be the
 //! scheduler's). The C example prints the same from C.
 
 #![allow(unsafe_code)]
 #![allow(clippy::print_stdout, clippy::unwrap_used, reason = "it is what a benchmark is for")]
 #![allow(clippy::undocumented_unsafe_blocks, reason = "every pointer here is of a local variable, or null")]
-
-#[path = "../tests/all/fits/mod.rs"]
-mod fits;
 
 use std::hint::black_box;
 use std::ptr::{null, null_mut};
@@ -16,12 +13,13 @@ use truepose_compensate::{Compensator, CompensatorOptions, Target};
 use truepose_errormodel::Schema;
 use truepose_ffi::*;
 use truepose_kinematics::{Conditions, samples};
+use truepose_micro::elastic;
 
 const COUNT: usize = 100_000;
 
 fn main() {
-    let fitted = fits::elastic(&samples::ur10());
-    let text = fits::json(&fitted);
+    let fitted = elastic(&samples::ur10(), 5);
+    let text = truepose_io::fit_json("fit.json", &fitted).unwrap();
     let (mut fit, mut arm) = (null_mut(), null_mut());
     unsafe {
         assert_eq!(truepose_fit_parse(text.as_ptr().cast(), text.len(), &mut fit), 0);

@@ -1,4 +1,4 @@
-//! `cargo bench -p truepose-identify --bench kernels`: the normal equations, the triangle, residuals, and a whole linear fit.
+//! `cargo xtask micro identify`: the normal equations, the triangle, residuals, and a whole linear fit.
 
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};

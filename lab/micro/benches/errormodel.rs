@@ -1,4 +1,4 @@
-//! `cargo bench -p truepose-errormodel --bench kernels`: a robot at rest row by row, a block of rows, error Jacobians.
+//! `cargo xtask micro errormodel`: a robot at rest row by row, a block of rows, error Jacobians.
 
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};

@@ -1,4 +1,4 @@
-//! Speed of commands: `cargo bench -p truepose-compensate --bench commands`. Totals are the thread's own time; single calls are
+//! Speed of commands: `cargo xtask micro commands`. Totals are the thread's own time; single calls are
 //! on the wall, each the best of three: on a busy machine the slowest of one would be the scheduler's.
 //! An elastic 6R arm, random poses, from the nominal solution.
 
@@ -9,9 +9,7 @@ use std::time::Instant;
 use truepose_compensate::{CommandRequest, Compensator, CompensatorOptions, Status};
 use truepose_errormodel::Schema;
 use truepose_kinematics::{Chain, Conditions, PostureBuffer, joint_jacobian, samples};
-
-#[path = "../tests/all/fits/mod.rs"]
-mod fits;
+use truepose_micro::{Draw, elastic, load, target_at};
 
 const COUNT: usize = 100_000;
 /// As the program takes them.
@@ -64,7 +62,7 @@ fn regular(chain: &Chain, conditions: &Conditions) -> bool {
 }
 
 fn run(chain: &Chain, words: &str, tolerance: f64, seeded: bool) {
-    let fit = fits::elastic(chain, 5);
+    let fit = elastic(chain, 5);
     let schema = Schema { load: true, ..Schema::default() };
     let options = CompensatorOptions {
         position_tolerance: tolerance,
@@ -72,7 +70,7 @@ fn run(chain: &Chain, words: &str, tolerance: f64, seeded: bool) {
         ..CompensatorOptions::default()
     };
     let mut compensator = Compensator::bind(&fit, &schema, options).expect("bound");
-    let mut draw = fits::Draw(1);
+    let mut draw = Draw(1);
     let count = if seeded { COUNT } else { COUNT / 10 };
     let mut jobs = Vec::with_capacity(count);
     while jobs.len() < count {
@@ -82,8 +80,8 @@ fn run(chain: &Chain, words: &str, tolerance: f64, seeded: bool) {
             continue;
         }
         let loaded = jobs.len() % 2 == 1;
-        let conditions = if loaded { conditions.with_load(fits::load(chain)) } else { conditions };
-        jobs.push((fits::target_at(&chain.forward(&conditions.joints)), conditions));
+        let conditions = if loaded { conditions.with_load(load(chain)) } else { conditions };
+        jobs.push((target_at(&chain.forward(&conditions.joints)), conditions));
     }
     let mut best = f64::INFINITY;
     let mut singles = vec![0.0; count];

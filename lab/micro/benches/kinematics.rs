@@ -1,4 +1,4 @@
-//! `cargo bench -p truepose-kinematics --bench kernels`: sines, a posture with its statics, a joint Jacobian.
+//! `cargo xtask micro kinematics`: sines, a posture with its statics, a joint Jacobian.
 
 use divan::{Bencher, black_box};
 use truepose_kinematics::{Conditions, PostureBuffer, joint_jacobian, samples, sin_cos};

@@ -1,4 +1,4 @@
-//! `cargo bench -p truepose-solvers --bench kernels`: accumulators, ranks, solutions on the small factor.
+//! `cargo xtask micro solvers`: accumulators, ranks, solutions on the small factor.
 
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};

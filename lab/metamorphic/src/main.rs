@@ -1,13 +1,7 @@
-//! Which relations hold on a folder of cases: `cargo xtask metamorphic [--cases DIR] [--only CASE] [--relation WORDS] [--part 1/2] [--show]`.
-//!
-//! Each case is a folder with `robot.toml`, `declared.toml` and `train.csv` (default: the cases of the shared folder beside the project).
-//! A discovery takes some seconds on one thread, and there are 21 for each case: results are kept in `target/metamorphic.jsonl` as they
-//! are made, and a run goes on where the last one ended. Remove that file after the program has changed. The table at the end counts, for
-//! each relation, the cases of all results in which it holds, and lists where it does not. `--show` prints what is found of both sides.
-
+#![doc = include_str!("../README.md")]
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a program for developers")]
 
-#[path = "../metamorphic/mod.rs"]
+#[path = "../../../tests/metamorphic/mod.rs"]
 mod metamorphic;
 
 use metamorphic::case::Case;
@@ -39,7 +33,7 @@ fn main() {
         .map(|entry| entry.file_name().into_string().unwrap())
         .collect();
     names.sort();
-    let journal = Path::new(env!("CARGO_MANIFEST_DIR")).join("../target/metamorphic.jsonl");
+    let journal = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../target/metamorphic.jsonl");
     let mut known = read(&journal);
     let wanted = names
         .iter()
@@ -92,7 +86,7 @@ fn main() {
 
 fn beside() -> PathBuf {
     let named = std::env::var_os("TRUEPOSE_SHARED").map(PathBuf::from);
-    named.unwrap_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared")).join("cases")
+    named.unwrap_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared")).join("cases")
 }
 
 /// Results by case and relation.

@@ -37,7 +37,7 @@ impl Reader {
         };
         let folder = if Path::new("/dev/shm").is_dir() { "/dev/shm".into() } else { std::env::temp_dir() };
         let file = folder.join(format!("truepose-fuzz-{}.{ending}", std::process::id()));
-        let robot = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/spoiled/robot.toml");
+        let robot = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/spoiled/robot.toml");
         let (chain, _) = read_robot(robot, &RobotOptions::default()).expect("the robot of the corpus");
         Reader { name, file, chain, effects: EffectRegistry::builtin() }
     }
