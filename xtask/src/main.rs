@@ -5,6 +5,7 @@
 
 mod ci;
 mod coverage;
+mod golden;
 mod guided;
 mod header;
 mod instructions;
@@ -41,6 +42,8 @@ enum Verb {
         #[arg(long)]
         write: bool,
     },
+    /// Eighty runs of the program against their snapshots in tests/golden.
+    Golden(golden::Options),
     /// A benchmark study, in release; leaves its table and figures in target/studies.
     Study {
         /// Which: closed-loop, discovery, guard-band, harm, kinds, orders, pps, reliability, sensitivity, sessions, solvers.
@@ -112,6 +115,7 @@ fn run(verb: Verb) -> Result<()> {
         Verb::Ci => ci::run(&root),
         Verb::Tidy => tidy::run(&root),
         Verb::Header { write } => header::run(&root, write),
+        Verb::Golden(options) => golden::run(&root, &options),
         Verb::Instructions { write } => instructions::run(&root, write),
         Verb::Study { name, rest } => lab::program(&root, "studies", "study", &[&[name], &rest[..]].concat()),
         Verb::Fuzz { target, rest } => lab::program(&root, "fuzz", "fuzz", &[&[target], &rest[..]].concat()),

@@ -1,11 +1,20 @@
 //! `truepose completions`: completions for shells, and the manual page.
 
-use crate::args::{Args, Completions, CompletionsOf};
+use crate::args::Completions;
 use crate::terminal;
-use clap_complete::Shell;
+
+/// The feature that makes them is not in this program.
+#[cfg(not(feature = "completions"))]
+pub fn write(_: &Completions) -> u8 {
+    terminal::error("this program was built without completions and manual page; build it with `--features full`");
+    2
+}
 
 /// Writes them to standard output.
+#[cfg(feature = "completions")]
 pub fn write(args: &Completions) -> u8 {
+    use crate::args::{Args, CompletionsOf};
+    use clap_complete::Shell;
     let mut command = Args::whole();
     let mut text = Vec::new();
     let shell = match args.of {

@@ -2,6 +2,7 @@
 
 use assert_cmd::Command;
 use std::path::{Path, PathBuf};
+use std::sync::LazyLock;
 use tempfile::TempDir;
 
 /// An arm of two turns and a slide, with two targets, in mm and degrees.
@@ -62,12 +63,38 @@ impl Folder {
         Folder(tempfile::tempdir().unwrap())
     }
 
-    /// With `robot.toml`, `plant.toml`, and `data.csv` as that plant was measured.
+    /// With `robot.toml`, `plant.toml`, and `data.csv` as that plant was measured: once, for all tests of the process.
     pub fn with_data() -> Self {
+        static DATA: LazyLock<String> = LazyLock::new(|| {
+            let folder = Folder::with_robot();
+            folder.run(&["simulate", "--plant", "plant.toml", "--out", "data.csv"]).ended(0);
+            folder.read("data.csv")
+        });
+        let folder = Folder::with_robot();
+        folder.write("data.csv", &DATA);
+        folder
+    }
+
+    fn with_robot() -> Self {
         let folder = Folder::empty();
         folder.write("robot.toml", ROBOT);
         folder.write("plant.toml", PLANT);
-        folder.run(&["simulate", "--plant", "plant.toml", "--out", "data.csv"]).ended(0);
+        folder
+    }
+
+    /// With `fit.json` of the heavy arm of the first example: identified once, for all tests of the process.
+    pub fn with_heavy_fit() -> Self {
+        static FIT: LazyLock<String> = LazyLock::new(|| {
+            let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/01_identify");
+            let [robot, data, model] = ["robot.toml", "measurements.csv", "model.toml"]
+                .map(|name| example.join(name).display().to_string());
+            let folder = Folder::empty();
+            let words = ["identify", "--robot", &robot, "--data", &data, "--model", &model, "--out", "fit.json"];
+            folder.run(&words).ended(0);
+            folder.read("fit.json")
+        });
+        let folder = Folder::empty();
+        folder.write("fit.json", &FIT);
         folder
     }
 

@@ -1,26 +1,10 @@
 //! A robot program in, the compensated program and the table of its corrections out.
 
 use crate::folder::Folder;
-use std::path::Path;
 
 /// With the fit of the example's heavy arm, and programs for it.
 fn fitted() -> Folder {
-    let folder = Folder::empty();
-    let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/01_identify");
-    let file = |name: &str| example.join(name).display().to_string();
-    folder
-        .run(&[
-            "identify",
-            "--robot",
-            &file("robot.toml"),
-            "--data",
-            &file("measurements.csv"),
-            "--model",
-            &file("model.toml"),
-            "--out",
-            "fit.json",
-        ])
-        .ended(0);
+    let folder = Folder::with_heavy_fit();
     // CR LF, and an umlaut of Windows' code page in a comment.
     std::fs::write(
         folder.file("job.src"),

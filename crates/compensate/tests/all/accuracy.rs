@@ -26,7 +26,7 @@ fn bands_hold_95_percent() {
             (truth.bind(&schema).expect("bound"), fit.bind(&schema).expect("bound"));
         for _ in 0..2 {
             let conditions =
-                Conditions::at(&chain, &places.joints(&chain, 0.9)).with_load(fits::load(&chain));
+                Conditions::at(&chain, &places.joints(&chain, 0.9)).with_load(crate::fits::load(&chain));
             let said = predicted_error(&fit, &mut predictor, &conditions, None);
             let off = real.predict(&conditions, None).translation
                 - predictor.predict(&conditions, None).translation;

@@ -196,7 +196,7 @@ fn ok_means_that_the_model_is_there() {
 fn models_without_batch_evaluation_give_commands_as_well() {
     let chain = samples::heavy();
     let free = JointCompliance { own_weight: OwnWeight::Free, ..JointCompliance::default() };
-    let fit = fits::of(&chain, vec![Box::new(Geometric::default()), Box::new(free)], 3);
+    let fit = crate::fits::of(&chain, vec![Box::new(Geometric::default()), Box::new(free)], 3);
     let jobs = mixed(&chain, &fit, 60);
     let mut compensator = Compensator::bind(&fit, &schema(), CompensatorOptions::default()).expect("bound");
     let mut commands = Vec::new();

@@ -203,7 +203,7 @@ fn a_scara_that_is_asked_to_tilt_has_its_position_with_a_message() {
 #[test]
 fn backlash_follows_the_direction_of_the_move() {
     let chain = samples::ur10();
-    let fit = fits::with_backlash(&chain, JointId(1), 2e-4);
+    let fit = crate::fits::with_backlash(&chain, JointId(1), 2e-4);
     let options = CompensatorOptions { approach: Approach::FromSeed, ..Default::default() };
     let mut compensator = Compensator::bind(&fit, &schema(), options).expect("bound");
     let goal = [0.3, -1.0, 0.7, 0.2, -0.5, 1.1];
@@ -269,7 +269,7 @@ fn what_is_no_number_is_refused_without_a_word() {
 #[test]
 fn missing_signals_are_refused_when_it_is_bound() {
     let chain = samples::ur10();
-    let fit = fits::with_backlash(&chain, JointId(1), 2e-4);
+    let fit = crate::fits::with_backlash(&chain, JointId(1), 2e-4);
     let blind = Schema { approach: false, ..schema() };
     let refused = Compensator::bind(&fit, &blind, CompensatorOptions::default()).expect_err("no approach");
     assert!(refused.to_string().contains("approach of joint `j1`"), "{refused}");

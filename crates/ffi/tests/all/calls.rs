@@ -49,8 +49,12 @@ fn text_of(pointer: *const std::ffi::c_char) -> String {
 
 #[test]
 fn commands_and_predictions_are_those_of_the_library_and_allocate_nothing() {
-    for fitted in [fits::elastic(&samples::ur10()), fits::coupled(), fits::with_findings(&samples::ur10())] {
-        let fit = loaded(&fits::json(&fitted));
+    for fitted in [
+        crate::fits::elastic(&samples::ur10()),
+        crate::fits::coupled(),
+        crate::fits::with_findings(&samples::ur10()),
+    ] {
+        let fit = loaded(&crate::fits::json(&fitted));
         let arm = armed(fit);
         // The arm keeps what it needs.
         unsafe { truepose_fit_free(fit) };
@@ -102,7 +106,7 @@ fn commands_and_predictions_are_those_of_the_library_and_allocate_nothing() {
 
 #[test]
 fn one_fit_serves_many_threads() {
-    let fit = loaded(&fits::json(&fits::elastic(&samples::ur10()))) as usize;
+    let fit = loaded(&crate::fits::json(&crate::fits::elastic(&samples::ur10()))) as usize;
     let run = || {
         let arm = armed(fit as *const truepose_fit);
         let mut all = Vec::new();
@@ -127,7 +131,7 @@ fn one_fit_serves_many_threads() {
 
 #[test]
 fn wrong_use_is_a_code_and_writes_nothing() {
-    let fit = loaded(&fits::json(&fits::elastic(&samples::ur10())));
+    let fit = loaded(&crate::fits::json(&crate::fits::elastic(&samples::ur10())));
     let arm = armed(fit);
     let good = truepose_target {
         position: [0.6, 0.2, 0.5],
@@ -213,7 +217,7 @@ fn a_fit_that_is_refused_has_its_reason() {
 
 #[test]
 fn names_and_options_are_those_of_the_fit() {
-    let fit = loaded(&fits::json(&fits::thermal()));
+    let fit = loaded(&crate::fits::json(&crate::fits::thermal()));
     unsafe {
         assert_eq!((truepose_fit_joints(fit), truepose_fit_channels(fit)), (6, 1));
         assert_eq!(text_of(truepose_fit_channel(fit, 0)), "temperature");
@@ -252,7 +256,7 @@ fn names_and_options_are_those_of_the_fit() {
 
 #[test]
 fn a_fit_of_several_sessions_wants_one_of_them() {
-    let fit = loaded(&fits::json(&fits::in_two_halls()));
+    let fit = loaded(&crate::fits::json(&crate::fits::in_two_halls()));
     unsafe {
         assert_eq!(truepose_fit_sessions(fit), 2);
         assert_eq!(text_of(truepose_fit_session(fit, 1)), "hall 2");

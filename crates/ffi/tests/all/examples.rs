@@ -48,7 +48,7 @@ fn the_examples_compile_and_run() {
     let built = library();
     let folder = tempfile::tempdir().unwrap();
     let fit = folder.path().join("fit.json");
-    truepose_io::write_fit(&fit, &fits::elastic(&samples::ur10())).unwrap();
+    truepose_io::write_fit(&fit, &crate::fits::elastic(&samples::ur10())).unwrap();
 
     let warnings = ["-Wall", "-Wextra", "-Wpedantic", "-Werror", "-O1"];
     let system = ["-lpthread", "-ldl", "-lm"];

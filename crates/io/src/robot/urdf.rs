@@ -14,7 +14,7 @@ use crate::toml_tree::Value;
 use crate::{IoError, Warning};
 use std::path::Path;
 use truepose_kinematics::nalgebra::{Unit as UnitVector, Vector3};
-use truepose_kinematics::{Joint, JointId, JointKind, Link, Mimic, Placement, Pose};
+use truepose_kinematics::{Joint, JointId, JointKind, Link, Mimic, Placement};
 
 /// The part of a URDF that is read.
 #[derive(Debug)]
@@ -166,11 +166,7 @@ fn warn_of_side_branches(robot: &Urdf, joints: &[Joint], path: &Path, warnings: 
     while next < moved.len() && moved.len() <= robot.links.len() {
         let link = moved[next];
         moved.extend(
-            robot
-                .joints
-                .iter()
-                .filter(|joint| joint.parent == link)
-                .map(|joint| joint.child.as_str()),
+            robot.joints.iter().filter(|joint| joint.parent == link).map(|joint| joint.child.as_str()),
         );
         next += 1;
     }

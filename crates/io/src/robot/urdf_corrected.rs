@@ -83,7 +83,8 @@ pub fn corrected_urdf(
     }
     let moves = nominal.joints().last().is_some_and(|joint| joint.moves());
     if moves && correction.behind != Pose::IDENTITY {
-        let link = robot.links.iter().find(|link| link.name == ADDED_LINK).map(|link| ("link", ADDED_LINK, link.at));
+        let link =
+            robot.links.iter().find(|link| link.name == ADDED_LINK).map(|link| ("link", ADDED_LINK, link.at));
         let joint = robot.joints.iter().find(|joint| joint.name == ADDED_JOINT);
         let joint = joint.map(|joint| ("joint", ADDED_JOINT, joint.at));
         if let Some((kind, name, at)) = link.or(joint) {

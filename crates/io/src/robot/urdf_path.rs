@@ -108,11 +108,7 @@ fn only_leaf<'a>(
     }
 }
 
-fn climb<'a>(
-    above: &HashMap<&str, &'a UrdfJoint>,
-    base: &str,
-    tip: &str,
-) -> Option<Vec<&'a UrdfJoint>> {
+fn climb<'a>(above: &HashMap<&str, &'a UrdfJoint>, base: &str, tip: &str) -> Option<Vec<&'a UrdfJoint>> {
     let mut joints = Vec::new();
     let mut link = tip;
     while link != base {

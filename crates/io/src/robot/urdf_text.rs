@@ -86,7 +86,10 @@ impl Urdf {
                 }
                 // The place is in front already.
                 other => {
-                    format!("is not a valid URDF: {}", other.to_string().replace(&format!(" at {line}:{column}"), ""))
+                    format!(
+                        "is not a valid URDF: {}",
+                        other.to_string().replace(&format!(" at {line}:{column}"), "")
+                    )
                 }
             };
             IoError::Text { file: text.file.clone(), line, column, message }
@@ -311,9 +314,18 @@ mod tests {
             ("<robot>\n <link/></robot>", "a.urdf:2:2: <link> has no `name`"),
             ("<robot", "a.urdf:1:1: is not a valid URDF: "),
             ("<!DOCTYPE x><robot/>", "a.urdf:1:1: document type declarations are not read"),
-            ("<robot><link name='l'><inertial><mass value='1kg'/></inertial></link></robot>", "a.urdf:1:46: `value=\"1kg\"` is not a number"),
-            ("<robot><link name='l'><inertial/></link></robot>", "a.urdf:1:23: the inertial of link `l` has no <mass>"),
-            ("<robot><joint name='j' type='fixed'><origin xyz='1 2'/></joint></robot>", "a.urdf:1:50: `xyz=\"1 2\"` is not 3 numbers"),
+            (
+                "<robot><link name='l'><inertial><mass value='1kg'/></inertial></link></robot>",
+                "a.urdf:1:46: `value=\"1kg\"` is not a number",
+            ),
+            (
+                "<robot><link name='l'><inertial/></link></robot>",
+                "a.urdf:1:23: the inertial of link `l` has no <mass>",
+            ),
+            (
+                "<robot><joint name='j' type='fixed'><origin xyz='1 2'/></joint></robot>",
+                "a.urdf:1:50: `xyz=\"1 2\"` is not 3 numbers",
+            ),
             ("<robot><joint name='j' type='fixed'/></robot>", "a.urdf:1:8: joint `j` has no <parent link=…>"),
         ] {
             let error = read(text).unwrap_err();
