@@ -41,6 +41,7 @@ fn budget(census: usize) -> Budget {
     budget
 }
 
+#[cfg(feature = "slow")]
 #[test]
 fn all_rows_show_what_a_sample_does_not() {
     let chain = with_one_target(&samples::ur10());

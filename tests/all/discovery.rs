@@ -54,6 +54,7 @@ fn nothing_is_found_in_noise() {
     assert_eq!((found.held_out, found.holdout_rows.len()), (HeldOut::NestedFolds, 180));
 }
 
+#[cfg(feature = "slow")]
 #[test]
 fn play_is_found_named_and_sized_and_the_ledger_is_the_same_again() {
     let chain = with_three_targets(&samples::ur10());
@@ -75,6 +76,7 @@ fn play_is_found_named_and_sized_and_the_ledger_is_the_same_again() {
     assert_eq!(again.fit.fitted.coefficients(), found_once.fit.fitted.coefficients());
 }
 
+#[cfg(feature = "slow")]
 #[test]
 fn a_wrong_payload_is_weighed() {
     let chain = with_three_targets(&samples::heavy());
@@ -143,6 +145,7 @@ fn a_frame_that_nobody_declared_is_found_beside_a_soft_slide() {
     assert!(after < 0.6 * before, "{before} {after}");
 }
 
+#[cfg(feature = "slow")]
 #[test]
 fn a_crooked_rail_is_one_finding() {
     let chain = with_three_targets(&samples::pps());
@@ -158,6 +161,7 @@ fn a_crooked_rail_is_one_finding() {
     assert_eq!(words(&found), ["guideway d1"]);
 }
 
+#[cfg(feature = "slow")]
 #[test]
 fn a_slide_that_grows_was_right_at_a_temperature_that_nobody_knows() {
     let chain = with_three_targets(&samples::pps());
@@ -185,6 +189,7 @@ fn a_slide_that_grows_was_right_at_a_temperature_that_nobody_knows() {
     assert!((scale.value - 90e-6).abs() < 12e-6, "{scale:?}");
 }
 
+#[cfg(feature = "slow")]
 #[test]
 fn a_rival_that_the_data_cannot_refute_is_fitted_for_a_plan() {
     let chain = with_three_targets(&samples::ur10());
@@ -234,6 +239,7 @@ fn a_spring_whose_name_is_not_in_the_library_is_not_told_for_another_without_a_d
     assert_eq!(words(&told), ["joint_compliance a2"], "{refused:?} {:?}", told.withdrawn);
 }
 
+#[cfg(feature = "slow")]
 #[test]
 fn a_jump_is_a_jump_and_without_that_word_not_a_drift_without_a_doubt() {
     let chain = with_three_targets(&samples::pps());
@@ -263,6 +269,7 @@ fn a_jump_is_a_jump_and_without_that_word_not_a_drift_without_a_doubt() {
     assert!(nameless(&without), "{:?}: {:?}", words(&without), without.findings[0].alternatives);
 }
 
+#[cfg(feature = "slow")]
 #[test]
 fn what_shows_within_visits_is_told_while_whole_visits_are_off_for_other_reasons() {
     let chain = with_three_targets(&samples::heavy());
@@ -290,6 +297,7 @@ fn what_shows_within_visits_is_told_while_whole_visits_are_off_for_other_reasons
     assert_eq!(words, ["coupling a6 by a1", "shift base", "transmission a3"]);
 }
 
+#[cfg(feature = "slow")]
 #[test]
 fn what_depends_on_a_joint_and_on_what_is_carried_has_no_name_but_a_place() {
     let chain = with_three_targets(&samples::heavy());

@@ -5,6 +5,13 @@
     clippy::print_stdout,
     reason = "a test says what it saw, and fails by panicking"
 )]
+// What only slow tests use.
+#![cfg_attr(not(feature = "slow"), allow(dead_code, unused_imports))]
+
+/// A number of draws, robots or steps: of the slow tests, and of their fast stand-in.
+const fn of(slow: usize, fast: usize) -> usize {
+    if cfg!(feature = "slow") { slow } else { fast }
+}
 
 mod beams;
 mod branches;

@@ -145,6 +145,7 @@ fn check(robot: &Chain, oriented: bool, found: &[&str], seed: u64) {
     assert!(blind.placement.rms < 2e-2, "{case}: placed to {} m", blind.placement.rms);
 }
 
+#[cfg(feature = "slow")]
 #[test]
 fn base_tool_and_three_targets_of_a_heavy_arm() {
     for seed in [1, 2, 3] {

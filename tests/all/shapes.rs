@@ -162,6 +162,7 @@ fn a_lag_is_found_from_a_wrong_start() {
     assert!(seen.positions().rms < 5e-5);
 }
 
+#[cfg(feature = "slow")]
 #[test]
 fn two_at_once_from_wrong_starts_with_wrong_rows() {
     let mut plant = plant(

@@ -148,6 +148,7 @@ fn null_pps_paper() {
     predicts_like_the_oracle("null_pps_paper-7");
 }
 
+#[cfg(feature = "slow")]
 #[test]
 fn no_nested_discovery_on_measured_robots_is_worse_than_the_declared_model() {
     let Some(shared) = shared() else { return };

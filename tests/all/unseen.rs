@@ -36,7 +36,7 @@ fn a_search_that_believes_too_much_leaves_the_robot_no_worse() {
     // Half of all nulls are let in by this level: what is then left of them has to predict as well as the declared model.
     let chain = with_three_targets(&samples::ur10());
     let mut withdrawn = 0;
-    for seed in 0..4 {
+    for seed in 0..crate::of(4, 1) as u64 {
         let data = measured(&chain, constants(), 20, seed);
         let options = DiscoverOptions { alpha: 0.5, rotations: 99, seed, ..DiscoverOptions::default() };
         let told = found(&chain, &data, &options);
@@ -47,9 +47,10 @@ fn a_search_that_believes_too_much_leaves_the_robot_no_worse() {
         assert!(withdrawal.is_none_or(|w| w.enlarged > w.declared && !w.findings.is_empty()));
         withdrawn += usize::from(withdrawal.is_some());
     }
-    println!("withdrawn in {withdrawn} of 4");
+    println!("withdrawn in {withdrawn}");
 }
 
+#[cfg(feature = "slow")]
 #[test]
 fn what_was_declared_unknown_is_never_told_to_be_wrong() {
     let known = with_three_targets(&samples::ur10());

@@ -67,6 +67,7 @@ fn ratio(found: &Diagnosis) -> f64 {
     found.noise_floor.rms.unwrap() / truth()
 }
 
+#[cfg(feature = "slow")]
 #[test]
 fn the_limit_is_that_of_repeats_whatever_the_model_lacks() {
     let (mut inside, mut unexplained, mut adequate) = (0, 0, 0);

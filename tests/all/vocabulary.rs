@@ -65,6 +65,7 @@ fn over_noise(found: &Diagnosis) -> f64 {
     found.after.holdout.positions().rms / (3f64.sqrt() * 10e-6f64.hypot(20e-6))
 }
 
+#[cfg(feature = "slow")]
 #[test]
 fn friction_with_memory_is_found_with_its_distance() {
     let chain = with_three_targets(&samples::ur10());
@@ -97,6 +98,7 @@ fn friction_with_memory_is_found_with_its_distance() {
     }
 }
 
+#[cfg(feature = "slow")]
 #[test]
 fn a_smooth_encoder_and_a_wrong_gain_are_transmission_errors_of_their_joint() {
     let chain = with_three_targets(&samples::ur10());
@@ -129,6 +131,7 @@ fn a_smooth_encoder_and_a_wrong_gain_are_transmission_errors_of_their_joint() {
     }
 }
 
+#[cfg(feature = "slow")]
 #[test]
 fn a_joint_yields_with_its_measured_torque() {
     // The statics does not know what loads this joint: a cable that pulls, and is in the motor's current.
@@ -167,6 +170,7 @@ fn elastic() -> Vec<Box<dyn AnyEffect>> {
     vec![Box::new(Geometric::default()), Box::new(JointCompliance::default())]
 }
 
+#[cfg(feature = "slow")]
 #[test]
 fn a_log_that_lags_is_an_error_of_the_instrument() {
     let chain = with_three_targets(&samples::ur10());
@@ -191,6 +195,7 @@ fn a_log_that_lags_is_an_error_of_the_instrument() {
     assert!(fitted.of_robot().coefficients()[lags].iter().all(|value| value.abs() <= 0.0));
 }
 
+#[cfg(feature = "slow")]
 #[test]
 fn a_scale_of_the_instrument_is_seen_where_slides_share_it_and_is_in_the_lengths_of_an_arm() {
     // All lengths of an arm are constant errors that may be longer alike; a slide's scale is none.
@@ -245,6 +250,7 @@ fn a_wave_that_grows_with_the_load_is_a_transmission_error_by_load() {
     assert!(over_noise(&diagnosis) < 1.25, "{}", over_noise(&diagnosis));
 }
 
+#[cfg(feature = "slow")]
 #[test]
 fn a_switch_is_no_friction_with_memory() {
     // With this seed a distance of 5 mrad, shorter than any move but a few, fits a little better by chance.

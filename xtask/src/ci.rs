@@ -1,4 +1,4 @@
-//! What CI runs. `.ci/run` is the script that a server starts; this is the same list for a keyboard.
+//! What CI runs. `.ci/run` is the script that a server starts; this is the same list for a keyboard, and a second, slow one.
 
 use crate::finished;
 use anyhow::Result;
@@ -12,19 +12,34 @@ struct Step {
     arguments: &'static [&'static str],
 }
 
-const STEPS: [Step; 8] = [
-    Step { environment: &[], arguments: &["fmt", "--all", "--check"] },
-    Step { environment: &[], arguments: &["clippy", "--workspace", "--all-targets", "--", "-D", "warnings"] },
-    Step { environment: &[], arguments: &["test", "--workspace"] },
-    // Without the features that can be left out: what these two are made of is checked with them.
-    Step {
-        environment: &[],
-        arguments: &["check", "--no-default-features", "-p", "truepose-discover", "-p", "truepose-io"],
-    },
+const fn step(arguments: &'static [&'static str]) -> Step {
+    Step { environment: &[], arguments }
+}
+
+/// What fails soonest comes first.
+const STEPS: [Step; 6] = [
+    step(&["fmt", "--all", "--check"]),
+    step(&["xtask", "tidy"]),
+    step(&["clippy", "--workspace", "--all-targets", "--", "-D", "warnings"]),
+    step(&["test", "--workspace"]),
+    step(&["xtask", "golden", "--fast"]),
     Step { environment: &[("RUSTDOCFLAGS", "-D warnings")], arguments: &["doc", "--workspace", "--no-deps"] },
-    Step { environment: &[], arguments: &["xtask", "header"] },
-    Step { environment: &[], arguments: &["xtask", "tidy"] },
-    Step { environment: &[], arguments: &["xtask", "instructions"] },
+];
+
+/// Behind the documents and the Python package.
+const HEADER: Step = step(&["xtask", "header"]);
+
+/// What takes longer than a change should wait: `cargo xtask ci --slow`.
+const SLOW: [Step; 8] = [
+    step(&["xtask", "slow"]),
+    step(&["test", "--workspace", "--features", "truepose-cli/slow,truepose-tests/slow"]),
+    step(&["xtask", "golden"]),
+    step(&["xtask", "instructions"]),
+    // Without the features that can be left out: what these two are made of is checked with them.
+    step(&["check", "--no-default-features", "-p", "truepose-discover", "-p", "truepose-io"]),
+    step(&["fmt", "--all", "--check", "--manifest-path", "lab/Cargo.toml"]),
+    step(&["xtask", "lab", "clippy", "--all-targets", "--", "-D", "warnings"]),
+    step(&["xtask", "lab", "test", "--workspace"]),
 ];
 
 /// With cargo-deny: built where it is not installed, then the sources of all platforms' dependencies, which it looks at; advisories
@@ -49,7 +64,10 @@ const DENY: [Step; 4] = [
 ];
 
 /// Runs all steps, stopping at the first that fails.
-pub fn run(root: &Path) -> Result<()> {
+pub fn run(root: &Path, slow: bool) -> Result<()> {
+    if slow {
+        return SLOW.iter().try_for_each(|step| one(step, root));
+    }
     for step in &STEPS {
         one(step, root)?;
     }
@@ -57,6 +75,7 @@ pub fn run(root: &Path) -> Result<()> {
         println!("── {script}");
         finished(Command::new(root.join(script)).current_dir(root))?;
     }
+    one(&HEADER, root)?;
     let [install, fetch, check, advisories] = &DENY;
     if !works(&["deny", "--version"], root) {
         if one(install, root).is_err() {
@@ -125,7 +144,7 @@ mod tests {
             Some(line.strip_prefix("if ! ").unwrap_or(line).strip_prefix("step ")?.trim_end_matches("; then"))
         };
         let commands: Vec<&str> = script.lines().filter_map(step).collect();
-        let ours: Vec<String> = STEPS.iter().chain(&DENY).map(line).collect();
+        let ours: Vec<String> = STEPS.iter().chain([&HEADER]).chain(&DENY).map(line).collect();
         assert_eq!(commands, ours);
     }
 }

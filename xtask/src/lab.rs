@@ -12,6 +12,12 @@ fn cargo(root: &Path, verb: &str) -> Command {
     command
 }
 
+/// A verb of cargo with its arguments.
+pub fn cargo_verb(root: &Path, words: &[String]) -> Result<()> {
+    let [verb, rest @ ..] = words else { anyhow::bail!("which verb of cargo?") };
+    finished(cargo(root, verb).args(rest))
+}
+
 /// Builds a program and runs it with these arguments.
 pub fn program(root: &Path, package: &str, name: &str, arguments: &[String]) -> Result<()> {
     let package = format!("truepose-{package}");

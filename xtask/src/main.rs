@@ -10,6 +10,7 @@ mod guided;
 mod header;
 mod instructions;
 mod lab;
+mod slow;
 mod tidy;
 
 use anyhow::{Context, Result, bail};
@@ -27,7 +28,16 @@ struct Arguments {
 #[derive(Subcommand)]
 enum Verb {
     /// Everything that CI runs, in the same order.
-    Ci,
+    Ci {
+        /// Run instead what is too slow for every change: the whole golden corpus, counts of instructions, the tests of `lab`.
+        #[arg(long)]
+        slow: bool,
+    },
+    /// `cargo VERB` on the workspace `lab`, e.g. `test` or `clippy --all-targets`.
+    Lab {
+        #[arg(trailing_var_arg = true, allow_hyphen_values = true, required = true)]
+        words: Vec<String>,
+    },
     /// Layers, file lengths, names, licences, READMEs: what neither rustc nor clippy looks at.
     Tidy,
     /// The C header against what cbindgen makes of crates/ffi.
@@ -42,6 +52,8 @@ enum Verb {
         #[arg(long)]
         write: bool,
     },
+    /// Tests that take more than five seconds though they are not behind the feature `slow`.
+    Slow,
     /// Eighty runs of the program against their snapshots in tests/golden.
     Golden(golden::Options),
     /// A benchmark study, in release; leaves its table and figures in target/studies.
@@ -112,9 +124,11 @@ fn main() -> ExitCode {
 fn run(verb: Verb) -> Result<()> {
     let root = root()?;
     match verb {
-        Verb::Ci => ci::run(&root),
+        Verb::Ci { slow } => ci::run(&root, slow),
+        Verb::Lab { words } => lab::cargo_verb(&root, &words),
         Verb::Tidy => tidy::run(&root),
         Verb::Header { write } => header::run(&root, write),
+        Verb::Slow => slow::run(&root),
         Verb::Golden(options) => golden::run(&root, &options),
         Verb::Instructions { write } => instructions::run(&root, write),
         Verb::Study { name, rest } => lab::program(&root, "studies", "study", &[&[name], &rest[..]].concat()),

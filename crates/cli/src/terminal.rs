@@ -28,6 +28,7 @@ pub fn print(text: &str) {
 }
 
 /// Bytes that the program makes itself, to stdout.
+#[cfg(feature = "completions")]
 pub fn print_bytes(bytes: &[u8]) {
     let mut out = std::io::stdout().lock();
     let _ = out.write_all(bytes).and_then(|()| out.flush());

@@ -13,7 +13,9 @@ pub use acceptance::{FramesFrom, Iso9283};
 pub use fitted::{Compensate, Export, ExportFormat, Map, Plan, PlannedTest, Predict, YamlStyle};
 pub use grouped::{Grouped, NamedColumns};
 pub use measured::{Compare, Discover, Identify, Measured, SplitKind};
-pub use other::{Check, Completions, CompletionsOf, Effects, Init, Simulate, Verify};
+#[cfg(feature = "completions")]
+pub use other::CompletionsOf;
+pub use other::{Check, Completions, Effects, Init, Simulate, Verify};
 pub(crate) use program::parse_given;
 pub use program::{GivenPlace, RobotProgram};
 pub use upkeep::{Fleet, Monitor, Transfer};
@@ -52,6 +54,7 @@ impl Args {
     }
 
     /// The command line, for completions and the manual page.
+    #[cfg(feature = "completions")]
     pub fn whole() -> Command {
         negative(Args::command())
     }

@@ -6,7 +6,9 @@ use crate::terminal;
 /// The feature that makes them is not in this program.
 #[cfg(not(feature = "completions"))]
 pub fn write(_: &Completions) -> u8 {
-    terminal::error("this program was built without completions and manual page; build it with `--features full`");
+    terminal::error(
+        "this program was built without completions and manual page; build it with `--features full`",
+    );
     2
 }
 

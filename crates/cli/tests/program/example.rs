@@ -88,6 +88,7 @@ fn discovered(example: &str) -> serde_json::Value {
     serde_json::from_str(&ran.out).unwrap()
 }
 
+#[cfg(feature = "slow")]
 #[test]
 fn the_measured_robot_is_explained_down_to_its_repeatability() {
     let found = discovered("02_measured_robot");
@@ -125,16 +126,6 @@ fn arms_without_a_tracker() {
     let spread = sockets["landmarks"]["held_out"]["rms_mm"].as_f64().unwrap();
     assert!((0.1..0.2).contains(&spread), "{spread}");
     assert!(sockets["landmarks"]["distance_rms_mm"].as_f64().unwrap() < 0.04, "{sockets}");
-    let found = discovered("09_sockets");
-    assert_eq!(
-        (&found["effects"][0]["family"], &found["effects"][0]["joint"]),
-        (&"transmission".into(), &"j2".into())
-    );
-    assert_eq!(found["effects"].as_array().unwrap().len(), 1);
-    // 0.02 mm an axis.
-    let after = found["after"]["holdout"]["rms_mm"].as_f64().unwrap();
-    assert!(after < 1.25 * 0.02 * 3f64.sqrt(), "{after}");
-
     let camera = identified("10_hand_eye");
     let pixel = &camera["kinds"]["kinds"][0];
     assert!(pixel["before"].as_f64().unwrap() > 1.0 && pixel["held_out"].as_f64().unwrap() < 0.17, "{pixel}");
@@ -150,6 +141,20 @@ fn arms_without_a_tracker() {
     let gap = arms["landmarks"]["contacts"][0]["held_out"]["rms_mm"].as_f64().unwrap();
     assert!(gap < 1.25 * 0.02 * 3f64.sqrt(), "{gap}");
     assert_eq!(arms["landmarks"]["scale_known"], true);
+}
+
+#[cfg(feature = "slow")]
+#[test]
+fn the_gear_of_an_arm_in_sockets_is_found() {
+    let found = discovered("09_sockets");
+    assert_eq!(
+        (&found["effects"][0]["family"], &found["effects"][0]["joint"]),
+        (&"transmission".into(), &"j2".into())
+    );
+    assert_eq!(found["effects"].as_array().unwrap().len(), 1);
+    // 0.02 mm an axis.
+    let after = found["after"]["holdout"]["rms_mm"].as_f64().unwrap();
+    assert!(after < 1.25 * 0.02 * 3f64.sqrt(), "{after}");
 }
 
 #[test]
@@ -177,6 +182,7 @@ fn rounded(value: &serde_json::Value) -> serde_json::Value {
     }
 }
 
+#[cfg(feature = "slow")]
 #[test]
 fn a_discovery_and_its_story() {
     let folder = copied();
@@ -195,6 +201,7 @@ fn a_discovery_and_its_story() {
     insta::assert_snapshot!("discovery_json", serde_json::to_string_pretty(&rounded(&found)).unwrap());
 }
 
+#[cfg(feature = "slow")]
 #[test]
 fn an_error_without_a_word_ends_in_an_unexplained_verdict() {
     let found = discovered("03_unexplained");
@@ -227,7 +234,13 @@ fn commands_of_the_documents_run() {
         for command in of_examples {
             ran += 1;
             println!("{}: truepose {}", document.display(), command.join(" "));
-            run(&folder, command).ended(0);
+            let mut command = command.clone();
+            // The golden corpus has whole searches; here options, files and outputs are what is tested.
+            if command[0] == "discover" && !cfg!(feature = "slow") {
+                command.extend(["--most", "0", "--rotations", "99"].map(String::from));
+                command.retain(|word| word != "--nested");
+            }
+            run(&folder, &command).ended(0);
         }
         assert!(ran > 0, "{} shows no command that can be run", document.display());
     }

@@ -89,12 +89,27 @@ impl Folder {
             let [robot, data, model] = ["robot.toml", "measurements.csv", "model.toml"]
                 .map(|name| example.join(name).display().to_string());
             let folder = Folder::empty();
-            let words = ["identify", "--robot", &robot, "--data", &data, "--model", &model, "--out", "fit.json"];
+            let words =
+                ["identify", "--robot", &robot, "--data", &data, "--model", &model, "--out", "fit.json"];
             folder.run(&words).ended(0);
             folder.read("fit.json")
         });
         let folder = Folder::empty();
         folder.write("fit.json", &FIT);
+        folder
+    }
+
+    /// Another one with the same files.
+    pub fn copied(&self) -> Self {
+        fn copy(from: &Path, to: &Path) {
+            std::fs::create_dir_all(to).unwrap();
+            for entry in std::fs::read_dir(from).unwrap().map(Result::unwrap) {
+                let (from, to) = (entry.path(), to.join(entry.file_name()));
+                if from.is_dir() { copy(&from, &to) } else { assert!(std::fs::copy(from, to).is_ok()) }
+            }
+        }
+        let folder = Folder::empty();
+        copy(self.path(), folder.path());
         folder
     }
 

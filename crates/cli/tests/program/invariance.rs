@@ -37,6 +37,7 @@ fn close(a: [f64; 2], b: [f64; 2]) {
     }
 }
 
+#[cfg(feature = "slow")]
 #[test]
 fn units_and_names_change_no_finding() {
     let (robot, data) = example();

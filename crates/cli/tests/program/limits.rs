@@ -20,11 +20,10 @@ const DISCOVER: &[&str] = &[
 
 /// Enough work for minutes.
 fn busy() -> Folder {
-    let folder = crate::report::discovered("small", "j1");
+    let folder = crate::report::measured("small", "j1");
     let plant = folder.read("plant.toml").replace("visits = 60", "visits = 400");
     folder.write("plant.toml", &plant);
     folder.run(&["simulate", "--plant", "plant.toml", "--out", "data.csv"]).ended(0);
-    std::fs::remove_dir_all(folder.file("page")).unwrap();
     folder.write("fit.json", "an older result");
     folder
 }
@@ -80,6 +79,7 @@ fn limits_that_the_caller_sets_are_kept() {
 }
 
 /// With few flips the first find comes soon, and whole runs in each of eight folds come after it.
+#[cfg(feature = "slow")]
 #[test]
 fn findings_before_a_limit_are_kept_and_marked_as_incomplete() {
     let folder = busy();

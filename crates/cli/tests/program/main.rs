@@ -5,6 +5,8 @@
     clippy::print_stdout,
     reason = "a test says what it saw, and fails by panicking"
 )]
+// What only slow tests use.
+#![cfg_attr(not(feature = "slow"), allow(dead_code, unused_imports))]
 
 mod acceptance;
 mod bad_input;

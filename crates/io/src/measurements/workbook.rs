@@ -14,8 +14,7 @@ pub(super) fn is_workbook(head: &[u8]) -> bool {
 /// Lines of text, and what there is to say about their origin.
 #[cfg(not(feature = "xlsx"))]
 pub(super) fn lines(path: &Path, _: Vec<u8>, _: &Names<'_>) -> Result<(Vec<u8>, Vec<String>), IoError> {
-    let message =
-        "is a workbook, which this program was built without: build it with `--features full`, or save the sheet as CSV";
+    let message = "is a workbook, which this program was built without: build it with `--features full`, or save the sheet as CSV";
     Err(IoError::file(path, message))
 }
 

@@ -84,6 +84,9 @@ impl Urdf {
                 roxmltree::Error::DtdDetected => {
                     "document type declarations are not read; remove the `<!…>`".into()
                 }
+                _ if !text.text.contains("<robot") && !text.text.trim_start().starts_with('<') => {
+                    "is not a URDF: it has no <robot>".into()
+                }
                 // The place is in front already.
                 other => {
                     format!(

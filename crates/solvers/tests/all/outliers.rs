@@ -146,10 +146,10 @@ fn against_plain(spec: &str, data: &Data) -> f64 {
     solved(spec) / solved("qr")
 }
 
-/// 60 draws of 16 to 75 visits with a third as many unknowns as numbers: where efficiency is dear and a descending loss has many minima.
+/// Draws of 16 to 75 visits with a third as many unknowns as numbers: where efficiency is dear and a descending loss has many minima.
 #[test]
 fn no_clean_draw_is_predicted_worse_than_by_plain_least_squares() {
-    for seed in 0..60 {
+    for seed in (0..60).step_by(4) {
         let visits = 16 + seed as usize;
         let data = sized(visits, visits, 0.0, 100 + seed);
         for spec in ROBUST {
@@ -162,7 +162,7 @@ fn no_clean_draw_is_predicted_worse_than_by_plain_least_squares() {
 /// The same draws with 6 % of the visits wrong.
 #[test]
 fn spoiled_draws_are_predicted_better_than_by_plain_least_squares() {
-    for seed in 0..60 {
+    for seed in (0..60).step_by(4) {
         let visits = 16 + seed as usize;
         let data = sized(visits, visits / 2, 0.06, 100 + seed);
         if data.wrong.iter().all(|wrong| !wrong) {

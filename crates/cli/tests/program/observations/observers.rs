@@ -13,6 +13,7 @@ use truepose_identify::FitOptions;
 use truepose_io::{MeasurementsOptions, RobotOptions, read_measurements, read_robot, robot_surroundings};
 use truepose_solvers::PivotedQr;
 
+#[cfg(feature = "slow")]
 #[test]
 fn a_lens_that_is_not_the_stated_one_is_blamed_and_found() {
     let folder = Folder::empty();
