@@ -9,7 +9,6 @@
 #![cfg_attr(not(feature = "slow"), allow(dead_code, unused_imports))]
 
 mod acceptance;
-mod bad_input;
 mod columns;
 mod contacts;
 mod coupled;
@@ -21,7 +20,6 @@ mod exports;
 mod fleet;
 mod folder;
 mod handover;
-mod hardened;
 mod harm;
 mod hostile;
 mod init;
@@ -29,7 +27,6 @@ mod invariance;
 mod landmarks;
 mod limits;
 mod mimic;
-mod mistakes;
 mod observations;
 mod one_voice;
 mod output;
@@ -43,7 +40,6 @@ mod report;
 mod round_trip;
 mod sessions;
 mod simulated;
-mod spoiled;
 mod stream;
 mod surface;
 mod upkeep;

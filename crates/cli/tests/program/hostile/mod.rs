@@ -1,45 +1,68 @@
-//! Hostile input at every verb: more than 2000 runs, each of which ends in a result or in one clear message.
+//! Hostile input: whatever is wrong with a file, an option, an output or what is around the program ends in a result or in one clear
+//! message with its place, and leaves nothing behind.
 //!
-//! [`contents`] spoils each kind of file in the same ways; [`surroundings`] spoils what is around the program: options, outputs, streams
-//! and variables. Never a panic, a signal, a file that is half-written or left over.
+//! Cases are lines of `*.toml`: what is done to a good folder, the command line, the expected exit code, messages and files ([`table`]).
+//! [`contents`] spoils each kind of file in each way of that table; [`processes`] has what needs code: full disks, signals, names
+//! that are no text; [`outputs`] reads what is written.
 
+mod changes;
 mod contents;
-mod good;
-mod surroundings;
+mod near;
+mod outputs;
+mod processes;
+mod sheet;
+mod table;
 
-use crate::folder::Folder;
-use good::good;
-use std::process::{Command, Output};
+use crate::folder::{Folder, Run};
+use std::process::Command;
+use table::{Files, table};
 
-/// Names of all files, in folders as well.
-fn files(folder: &Folder) -> Vec<String> {
-    let mut names = folder.names();
-    if let Ok(page) = std::fs::read_dir(folder.file("page")) {
-        names.extend(page.map(|entry| format!("page/{}", entry.unwrap().file_name().to_string_lossy())));
-    }
-    names.sort();
-    names
+#[test]
+fn hostile_input_is_refused_with_its_place() {
+    // `CASE=words` runs the cases with these words in their names or commands alone.
+    let only = std::env::var("CASE").unwrap_or_default();
+    let (found, cases) = table::failures(table(), &only);
+    none(found, cases, if only.is_empty() { 770 } else { 1 });
 }
 
-/// What is wrong with how a run ended, if anything is.
-fn unsound(output: &Output, outputs: &[&str], before: &[String], folder: &Folder) -> Option<String> {
-    let log = String::from_utf8_lossy(&output.stderr);
-    let after = files(folder);
-    let new: Vec<&String> = after.iter().filter(|name| !before.contains(name)).collect();
-    let gone = before.iter().find(|name| !after.contains(name));
+#[test]
+fn every_file_of_the_corpus_has_a_case() {
+    let cases = table().group.iter().flat_map(table::Group::cases).map(|(_, case)| case.unwrap().name);
+    let cases: std::collections::BTreeSet<String> = cases.collect();
+    let names = std::fs::read_dir(changes::corpus()).unwrap();
+    let names = names.map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned());
+    let others = ["robot.toml", "good.csv", "make.py", "README.md"];
+    let missing: Vec<String> =
+        names.filter(|name| !cases.contains(name) && !others.contains(&name.as_str())).collect();
+    assert_eq!(missing, [""; 0]);
+}
+
+/// The program, to be run in a folder.
+fn program(folder: &Folder, words: &str) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_truepose"));
+    command.current_dir(folder.path()).args(words.split(' '));
+    command
+}
+
+/// What is wrong with how a run ended, if anything is: never a panic, a signal, a file that is half-written or left over.
+fn unsound(run: &Run, outputs: &[&str], before: &Files, after: &Files) -> Option<String> {
+    let log = &run.log;
+    let new: Vec<&String> = after.keys().filter(|name| !before.contains_key(*name)).collect();
+    let gone = before.keys().find(|name| !after.contains_key(*name));
+    let output = |name: &str| outputs.contains(&name.split('/').next().unwrap_or(name));
     let errors =
         log.lines().filter(|line| line.starts_with("error: ") || line.starts_with("not met: ")).count();
     let steers = log.chars().any(|c| c.is_control() && !matches!(c, '\n' | '\t'));
     // `monitor` has found a change: no failure.
-    let code = match output.status.code() {
-        Some(3) if log.ends_with("the robot has changed\n") => Some(0),
-        code => code,
+    let (code, errors) = match run.code {
+        Some(3) if log.ends_with("the robot has changed\n") => (Some(0), 0),
+        Some(3) => (Some(3), 0),
+        code => (code, errors),
     };
-    let errors = if output.status.code() == Some(3) { 0 } else { errors };
     let problem = match code {
         None => "a signal",
         Some(0) if errors > 0 => "an error and success",
-        Some(0) if new.iter().any(|name| !outputs.contains(&name.as_str())) => "an unknown file",
+        Some(0) if new.iter().any(|name| !output(name)) => "an unknown file",
         Some(0) => return gone.map(|name| format!("{name} is gone")),
         Some(1 | 2) if log.contains("panicked") || log.contains("RUST_BACKTRACE") => "a panic",
         Some(1 | 2) if errors != 1 => "not one error",
@@ -49,31 +72,7 @@ fn unsound(output: &Output, outputs: &[&str], before: &[String], folder: &Folder
         Some(1 | 2) => return gone.map(|name| format!("{name} is gone")),
         Some(_) => "another exit code",
     };
-    Some(format!(
-        "{problem} ({:?}), files {new:?}: {}",
-        output.status,
-        log.chars().take(300).collect::<String>()
-    ))
-}
-
-/// Runs the program; no run takes longer than twenty seconds.
-fn program(folder: &Folder, words: &[&str]) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_truepose"));
-    command.current_dir(folder.path()).args(words).args(["--time-limit", "20s", "--threads", "1"]);
-    command
-}
-
-/// What was found in the cases of each part, and how many cases there were; every part in a folder of its own and at the same time.
-fn each<T: Sync>(
-    parts: &[T],
-    run: impl Fn(&T, &Folder) -> (Vec<String>, usize) + Sync,
-) -> (Vec<String>, usize) {
-    let results = std::thread::scope(|scope| {
-        let threads: Vec<_> = parts.iter().map(|part| scope.spawn(|| run(part, &good()))).collect();
-        threads.into_iter().map(|thread| thread.join().unwrap()).collect::<Vec<_>>()
-    });
-    let cases = results.iter().map(|(_, cases)| cases).sum();
-    (results.into_iter().flat_map(|(found, _)| found).collect(), cases)
+    Some(format!("{problem} ({:?}), files {new:?}: {}", run.code, log.chars().take(300).collect::<String>()))
 }
 
 /// Fails with everything that was found.
@@ -81,4 +80,5 @@ fn each<T: Sync>(
 fn none(found: Vec<String>, cases: usize, least: usize) {
     assert!(cases >= least, "{cases} cases");
     assert!(found.is_empty(), "{} of {cases} cases:\n{}", found.len(), found.join("\n"));
+    println!("{cases} cases");
 }
