@@ -1,49 +1,63 @@
-//! The journal of a study: each record is written as soon as it is done, so that an interrupted run can be continued.
+//! The journal of a study: each record is a line of JSON, written as soon as it is done, so that an interrupted run can be continued.
 
+use serde::Serialize;
+use serde::de::DeserializeOwned;
 use std::error::Error;
 use std::fs;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// What one line holds.
-pub trait Line: Sized {
-    /// The columns.
-    const HEADER: &'static str;
-
-    /// As a row; numbers come back to the bit.
-    fn row(&self) -> String;
-
-    /// From a row; none when it was cut off.
-    fn of(row: &str) -> Option<Self>;
-}
-
 /// The lines of one part of a study.
 pub struct Journal<L> {
     path: PathBuf,
+    /// What the first line names: the commit at which the file was begun.
+    pub begun: String,
     pub records: Vec<L>,
 }
 
-impl<L: Line> Journal<L> {
+impl<L: Serialize + DeserializeOwned> Journal<L> {
     /// Takes up what is there; a line that was cut off is dropped.
     pub fn open(folder: &Path, part: &str, commit: &str) -> Result<Self, Box<dyn Error>> {
-        let path = folder.join(format!("{part}.csv"));
+        let path = folder.join(format!("{part}.jsonl"));
         let text = fs::read_to_string(&path).unwrap_or_default();
-        let records: Vec<L> = text.lines().filter_map(L::of).collect();
-        let rows: String = records.iter().map(|record| record.row() + "\n").collect();
+        let begun = text.lines().next().and_then(|line| line.strip_prefix("# commit "));
+        let begun = begun.unwrap_or(commit).to_owned();
+        let records: Vec<L> = text.lines().filter_map(|line| serde_json::from_str(line).ok()).collect();
+        let journal = Journal { path, begun, records };
         if !text.ends_with('\n') {
-            fs::write(&path, format!("# commit {commit}\n{}\n{rows}", L::HEADER))?;
+            let lines: String = journal.records.iter().map(line).collect();
+            fs::write(&journal.path, format!("# commit {}\n{lines}", journal.begun))?;
         }
-        Ok(Journal { path, records })
+        Ok(journal)
+    }
+
+    /// The same, of a run that is only continued at the same commit.
+    pub fn open_at(folder: &Path, part: &str, commit: &str) -> Result<Self, Box<dyn Error>> {
+        let journal = Self::open(folder, part, commit)?;
+        if journal.begun == commit {
+            return Ok(journal);
+        }
+        fs::remove_file(&journal.path)?;
+        Self::open(folder, part, commit)
     }
 
     /// Writes one line.
     pub fn add(&mut self, record: L) -> Result<(), Box<dyn Error>> {
-        let mut file = fs::OpenOptions::new().append(true).open(&self.path)?;
-        file.write_all((record.row() + "\n").as_bytes())?;
+        fs::OpenOptions::new().append(true).open(&self.path)?.write_all(line(&record).as_bytes())?;
         self.records.push(record);
         Ok(())
     }
+
+    /// Ends the run: the file gets another name, under which nothing is taken up.
+    pub fn finish(self, part: &str) -> Result<(), Box<dyn Error>> {
+        Ok(fs::rename(&self.path, self.path.with_file_name(format!("{part}.jsonl")))?)
+    }
+}
+
+/// A record as a line.
+pub fn line<L: Serialize>(record: &L) -> String {
+    serde_json::to_string(record).map_or_else(|error| format!("# {error}\n"), |line| line + "\n")
 }
 
 /// The commit that is checked out, with a mark when files differ from it; `unknown` outside of a repository.
@@ -56,4 +70,67 @@ pub fn commit() -> String {
     let changed =
         git(&["status", "--porcelain", "--untracked-files=no"]).is_some_and(|list| !list.is_empty());
     if changed { format!("{head}-changed") } else { head }
+}
+
+/// A number that may be none (NaN) or infinite, which JSON has no number for.
+pub mod number {
+    use serde::{Deserialize, Deserializer, Serializer};
+
+    #[derive(Deserialize)]
+    #[serde(untagged)]
+    enum Number {
+        Finite(f64),
+        Word(String),
+    }
+
+    pub fn serialize<S: Serializer>(value: &f64, into: S) -> Result<S::Ok, S::Error> {
+        if value.is_finite() { into.serialize_f64(*value) } else { into.serialize_str(&value.to_string()) }
+    }
+
+    pub fn deserialize<'a, D: Deserializer<'a>>(from: D) -> Result<f64, D::Error> {
+        match Number::deserialize(from)? {
+            Number::Finite(value) => Ok(value),
+            Number::Word(word) => word.parse().map_err(serde::de::Error::custom),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde::Deserialize;
+
+    #[derive(Serialize, Deserialize, Clone)]
+    struct Record {
+        seed: u64,
+        ratio: f64,
+        #[serde(with = "number")]
+        p: f64,
+        story: String,
+    }
+
+    #[test]
+    fn a_run_is_taken_up_where_it_was_cut_off() {
+        let folder = std::env::temp_dir().join(format!("truepose-journal-{}", std::process::id()));
+        fs::create_dir_all(&folder).expect("a folder");
+        let record = Record { seed: 3, ratio: 0.1 + 0.2, p: f64::NAN, story: "a, \"b\"\n".into() };
+        let open = |commit: &str| Journal::<Record>::open(&folder, "power", commit).expect("a journal");
+        open("abc").add(record.clone()).expect("a line");
+        let path = folder.join("power.jsonl");
+        let half: String = line(&record).chars().take(20).collect();
+        let text = fs::read_to_string(&path).expect("the file");
+        fs::write(&path, text + &half).expect("half a line");
+        let mut again = open("def");
+        assert_eq!((again.records.len(), again.begun.as_str()), (1, "abc"));
+        let back = &again.records[0];
+        assert_eq!((back.seed, back.ratio.to_bits(), back.p.is_nan()), (3, record.ratio.to_bits(), true));
+        assert_eq!(back.story, record.story);
+        again.add(record).expect("a line");
+        assert_eq!(open("def").records.len(), 2);
+        assert_eq!(Journal::<Record>::open_at(&folder, "power", "abc").expect("a journal").records.len(), 2);
+        assert!(Journal::<Record>::open_at(&folder, "power", "def").expect("a journal").records.is_empty());
+        open("def").finish("table").expect("the end");
+        assert!(!path.exists() && folder.join("table.jsonl").exists());
+        fs::remove_dir_all(&folder).expect("no folder");
+    }
 }

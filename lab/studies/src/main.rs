@@ -4,6 +4,7 @@ mod clock;
 mod closed_loop;
 mod discovery;
 mod document;
+mod draw;
 mod guard_band;
 mod harm;
 mod journal;
@@ -12,14 +13,33 @@ mod orders;
 mod parts;
 mod pps;
 mod reliability;
+mod results;
 mod sensitivity;
 mod sessions;
 mod solvers;
 mod unseen;
 
+use std::error::Error;
 use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
+
+type Run = fn(&[String]) -> Result<(), Box<dyn Error>>;
+
+const STUDIES: [(&str, Run); 12] = [
+    ("closed-loop", closed_loop::run),
+    ("discovery", discovery::run),
+    ("drive", closed_loop::run),
+    ("guard-band", guard_band::run),
+    ("harm", harm::run),
+    ("kinds", kinds::run),
+    ("orders", orders::run),
+    ("pps", pps::run),
+    ("reliability", reliability::run),
+    ("sensitivity", sensitivity::run),
+    ("sessions", sessions::run),
+    ("solvers", solvers::run),
+];
 
 /// Folder for the tables and figures of a study.
 fn folder(study: &str) -> std::io::Result<PathBuf> {
@@ -27,6 +47,11 @@ fn folder(study: &str) -> std::io::Result<PathBuf> {
     let folder = root.join("studies").join(study);
     std::fs::create_dir_all(&folder)?;
     Ok(folder)
+}
+
+/// The options of a study.
+fn asked<A: clap::Parser>(arguments: &[String]) -> Result<A, Box<dyn Error>> {
+    Ok(A::try_parse_from(std::iter::once("study").chain(arguments.iter().map(String::as_str)))?)
 }
 
 /// Text to the terminal.
@@ -37,23 +62,14 @@ fn print(text: &str) {
 fn main() -> ExitCode {
     let name = std::env::args().nth(1).unwrap_or_default();
     let rest: Vec<String> = std::env::args().skip(2).collect();
-    let done = match name.as_str() {
-        "discovery" => discovery::run(&rest),
-        "closed-loop" | "drive" => closed_loop::run(&rest),
-        "guard-band" => guard_band::run(&rest),
-        "harm" => harm::run(&rest),
-        "kinds" => kinds::run(&rest),
-        "orders" => orders::run(),
-        "pps" => pps::run(&rest),
-        "reliability" if rest.iter().any(|word| word == "--half") => unseen::run(&rest),
-        "reliability" => reliability::run(&rest),
-        "sensitivity" => sensitivity::run(&rest),
-        "sessions" => sessions::run(&rest),
-        "solvers" => solvers::run(),
-        _ => Err(format!(
-            "unknown study `{name}`; there are: closed-loop, discovery, guard-band, harm, kinds, orders, pps, reliability, sensitivity, sessions, solvers"
-        )
-        .into()),
+    let half = rest.iter().any(|word| word == "--half");
+    let done = match STUDIES.iter().find(|(known, _)| name == *known) {
+        Some(_) if name == "reliability" && half => unseen::run(&rest),
+        Some((_, run)) => run(&rest),
+        None => {
+            Err(format!("unknown study `{name}`; there are: {}", STUDIES.map(|(known, _)| known).join(", "))
+                .into())
+        }
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

@@ -1,10 +1,28 @@
 //! Studies of several parts on numbered robots: `study NAME [PART…] [--robots N] [--half tuning|locked]`.
 
 use crate::journal::commit;
-use crate::{folder, print};
+use crate::results::finish;
+use crate::{asked, folder, print};
+use clap::{Parser, ValueEnum};
 use rayon::prelude::*;
 use std::error::Error;
 use std::fmt::Write;
+
+#[derive(Parser)]
+struct Options {
+    parts: Vec<String>,
+    #[arg(long)]
+    robots: Option<u64>,
+    #[arg(long, value_enum, default_value = "tuning")]
+    half: Half,
+}
+
+/// Robots to work with, and robots to which nothing is tuned.
+#[derive(Clone, Copy, PartialEq, ValueEnum)]
+enum Half {
+    Tuning,
+    Locked,
+}
 
 /// What is asked of a part.
 pub struct Asked {
@@ -32,35 +50,26 @@ pub fn run(
     arguments: &[String],
     table: impl Fn(&str, &Asked) -> Result<String, Box<dyn Error>>,
 ) -> Result<(), Box<dyn Error>> {
-    let (mut wanted, mut robots, mut locked) = (Vec::new(), None, false);
-    let mut rest = arguments.iter();
-    while let Some(word) = rest.next() {
-        match word.as_str() {
-            "--robots" => robots = Some(rest.next().ok_or("--robots lacks its number")?.parse::<u64>()?),
-            "--half" => {
-                locked = match rest.next().map(String::as_str) {
-                    Some("tuning") => false,
-                    Some("locked") => true,
-                    _ => return Err("--half: tuning or locked".into()),
-                }
-            }
-            word => {
-                let known = parts.iter().find(|(name, _)| *name == word);
-                wanted.push(*known.ok_or_else(|| format!("unknown part or option `{word}`"))?);
-            }
-        }
-    }
+    let options: Options = asked(arguments)?;
+    let locked = options.half == Half::Locked;
+    let known = |word: &String| {
+        let part = parts.iter().find(|(name, _)| name == word);
+        part.copied().ok_or_else(|| format!("unknown part `{word}`"))
+    };
+    let mut wanted = options.parts.iter().map(known).collect::<Result<Vec<_>, _>>()?;
     if wanted.is_empty() {
         wanted = parts.to_vec();
     }
+    let mut all = String::new();
     let half = if locked { "locked" } else { "tuning" };
     for (part, count) in wanted {
-        let asked = Asked { robots: robots.unwrap_or(count), locked };
-        let table = table(part, &asked)?;
+        let part_of = Asked { robots: options.robots.unwrap_or(count), locked };
+        let table = table(part, &part_of)?;
         let mut text = String::new();
-        writeln!(text, "{part}, {half} half, {} robots, commit {}\n{table}", asked.robots, commit())?;
+        writeln!(text, "{part}, {half} half, {} robots, commit {}\n{table}", part_of.robots, commit())?;
+        std::fs::write(folder(study)?.join(format!("{part}.{half}.txt")), &text)?;
         print(&text);
-        std::fs::write(folder(study)?.join(format!("{part}.{half}.txt")), text)?;
+        all += &(text + "\n");
     }
-    Ok(())
+    finish(study, &folder(study)?.join("table.txt"), &all)
 }

@@ -14,7 +14,9 @@ mod trial;
 
 pub use robots::Robot;
 
-use crate::{folder, print};
+use crate::results::finish;
+use crate::{asked, folder, print};
+use clap::Parser;
 use std::error::Error;
 use std::fmt::Write;
 use std::time::Instant;
@@ -24,12 +26,23 @@ use trial::{Asked, Counts, Executed, Trial};
 const PLANTS: u64 = 3;
 const POSES: usize = 100_000;
 
+/// The options of the run.
+#[derive(Parser)]
+struct Options {
+    /// One kind of robot.
+    #[arg(long, default_value = "")]
+    only: String,
+    /// So many configurations.
+    #[arg(long)]
+    visits: Option<usize>,
+    /// No round trips.
+    #[arg(long)]
+    driven: bool,
+}
+
 /// Runs the study.
 pub fn run(arguments: &[String]) -> Result<(), Box<dyn Error>> {
-    let after = |name: &str| arguments.iter().skip_while(|a| *a != name).nth(1);
-    let only = after("--only").cloned().unwrap_or_default();
-    let visits: Option<usize> = after("--visits").map(|n| n.parse()).transpose()?;
-    let executed = arguments.iter().any(|a| a == "--driven");
+    let Options { only, visits, driven } = asked(arguments)?;
     let folder = folder("closed-loop")?;
     let (mut executions, mut trips) = (String::new(), String::new());
     let (mut execution_csv, mut trip_csv) = (
@@ -71,7 +84,7 @@ pub fn run(arguments: &[String]) -> Result<(), Box<dyn Error>> {
             }
             rows += d.rows;
             within += d.within;
-            if plant > 0 || executed {
+            if plant > 0 || driven {
                 continue;
             }
             for (asked, words, poses, seeded) in [
@@ -90,12 +103,9 @@ pub fn run(arguments: &[String]) -> Result<(), Box<dyn Error>> {
     }
     writeln!(executions, "in band, all: {:.2} % of {rows} rows", 100.0 * within as f64 / rows as f64)?;
     let text = format!("{executions}\n{trips}");
-    print(&text);
-    std::fs::write(folder.join("table.txt"), &text)?;
     std::fs::write(folder.join("execution.csv"), execution_csv)?;
     std::fs::write(folder.join("round_trip.csv"), trip_csv)?;
-    print(&format!("tables in {}", folder.display()));
-    Ok(())
+    finish("closed-loop", &folder.join("table.txt"), &text)
 }
 
 fn execution_line(

@@ -20,12 +20,13 @@ mod several;
 pub mod summary;
 pub mod trial;
 
-use crate::journal::{Journal, Line, commit};
-use crate::{folder, print};
+use crate::journal::{Journal, line};
+use crate::results::{Kept, finish};
+use crate::{asked, print};
+use clap::Parser;
 use hidden_effects::{HIDDEN_EFFECTS, HiddenEffect};
 use record::Record;
 use std::error::Error;
-use std::path::Path;
 use trial::Task;
 use truepose_report::{DiscoverySettings, DiscoverySummary};
 
@@ -37,27 +38,46 @@ const SEVERAL: u64 = 6;
 const WITHOUT: f64 = 4.0;
 
 /// The options of the run.
+#[derive(Parser)]
 struct Asked {
+    /// 12 nulls, one robot a cell at 1 and 4 times the detectable size.
+    #[arg(long)]
+    short: bool,
+    #[arg(long, default_value_t = 1000, default_value_if("short", "true", "12"))]
     nulls: u64,
+    #[arg(long, default_value_t = 20, default_value_if("short", "true", "1"))]
     robots: u64,
+    #[arg(long, value_delimiter = ',')]
     multiples: Vec<f64>,
+    #[arg(long, value_delimiter = ',', value_parser = cause)]
     causes: Vec<HiddenEffect>,
+    #[arg(long, value_parser = ["nulls", "power", "several", "without"])]
     part: Option<String>,
-    folder: Option<String>,
-    one: Option<Task>,
+    #[command(flatten)]
+    kept: Kept,
+    /// One robot, with its whole diagnosis; the cause `none` is a null.
+    #[arg(long, num_args = 3, value_names = ["CAUSE", "SEED", "MULTIPLE"])]
+    one: Vec<String>,
+    /// The family of the one's cause is taken out of the library.
+    #[arg(long, requires = "one")]
+    without: bool,
 }
 
 /// Runs the study.
 pub fn run(arguments: &[String]) -> Result<(), Box<dyn Error>> {
-    let asked = Asked::of(arguments)?;
-    if let Some(task) = &asked.one {
-        return one(task);
+    let mut asked: Asked = asked(arguments)?;
+    if let [word, seed, multiple] = &asked.one[..] {
+        let cause = if word == "none" { None } else { Some(cause(word)?) };
+        let (seed, multiple) = (seed.parse()?, multiple.parse()?);
+        return one(&Task { cause, multiple, seed, without: asked.without });
     }
-    let commit = commit();
-    let into = asked.folder.clone().unwrap_or_else(|| commit.chars().take(12).collect());
-    let folder = folder("discovery")?.join(into);
-    std::fs::create_dir_all(&folder)?;
-    print(&format!("commit {commit}; {}", folder.display()));
+    if asked.multiples.is_empty() {
+        asked.multiples = if asked.short { vec![1.0, 4.0] } else { MULTIPLES.to_vec() };
+    }
+    if asked.causes.is_empty() {
+        asked.causes = HIDDEN_EFFECTS.iter().map(|(cause, _)| *cause).collect();
+    }
+    let (folder, commit) = asked.kept.open("discovery")?;
     let wanted = |part: &str| asked.part.as_deref().is_none_or(|only| only == part);
     let mut text = format!("commit {commit}\n\n");
     let mut journal: Journal<Record> = Journal::open(&folder, "nulls", &commit)?;
@@ -102,14 +122,7 @@ pub fn run(arguments: &[String]) -> Result<(), Box<dyn Error>> {
         work(&mut journal, tasks)?;
     }
     text += &format!("\n{}", summary::without(&journal.records)?);
-    finish(&folder, &text)
-}
-
-fn finish(folder: &Path, text: &str) -> Result<(), Box<dyn Error>> {
-    print(text);
-    std::fs::write(folder.join("table.txt"), text)?;
-    print(&format!("tables and figures in {}", folder.display()));
-    Ok(())
+    finish("discovery", &folder.join("table.txt"), &text)
 }
 
 /// Runs what is not yet in the table.
@@ -140,64 +153,13 @@ fn one(task: &Task) -> Result<(), Box<dyn Error>> {
     let summary = DiscoverySummary::new(&diagnosis, settings);
     print(&summary.to_string());
     print(&serde_json::to_string_pretty(&summary)?);
-    print(&task.judged(&made, &diagnosis).row());
+    print(line(&task.judged(&made, &diagnosis)).trim_end());
     Ok(())
 }
 
-impl Asked {
-    fn of(arguments: &[String]) -> Result<Self, Box<dyn Error>> {
-        let mut asked = Asked {
-            nulls: 1000,
-            robots: 20,
-            multiples: MULTIPLES.to_vec(),
-            causes: HIDDEN_EFFECTS.iter().map(|(cause, _)| *cause).collect(),
-            part: None,
-            folder: None,
-            one: None,
-        };
-        let mut rest = arguments.iter();
-        while let Some(word) = rest.next() {
-            let mut next = || rest.next().ok_or_else(|| format!("`{word}` lacks its value"));
-            match word.as_str() {
-                "--short" => {
-                    (asked.nulls, asked.robots, asked.multiples) = (12, 1, vec![1.0, 4.0]);
-                }
-                "--nulls" => asked.nulls = next()?.parse()?,
-                "--robots" => asked.robots = next()?.parse()?,
-                "--multiples" => {
-                    asked.multiples = next()?.split(',').map(str::parse).collect::<Result<_, _>>()?;
-                }
-                "--causes" => {
-                    let named = |word: &str| HiddenEffect::named(word).ok_or_else(|| unknown(word));
-                    asked.causes = next()?.split(',').map(named).collect::<Result<_, _>>()?;
-                }
-                "--part" => asked.part = Some(next()?.clone()),
-                "--folder" => asked.folder = Some(next()?.clone()),
-                "--one" => {
-                    let cause = match next()?.as_str() {
-                        "none" => None,
-                        word => Some(HiddenEffect::named(word).ok_or_else(|| unknown(word))?),
-                    };
-                    let (seed, multiple) = (next()?.parse()?, next()?.parse()?);
-                    asked.one = Some(Task { cause, multiple, seed, without: false });
-                }
-                "--without" => match &mut asked.one {
-                    Some(task) => task.without = true,
-                    None => return Err("`--without` follows `--one CAUSE SEED MULTIPLE`".into()),
-                },
-                word => return Err(format!("unknown option `{word}` of the study").into()),
-            }
-        }
-        if let Some(part) = &asked.part
-            && !["nulls", "power", "several", "without"].contains(&part.as_str())
-        {
-            return Err(format!("unknown part `{part}`; there are: nulls, power, several, without").into());
-        }
-        Ok(asked)
-    }
-}
-
-fn unknown(word: &str) -> String {
+/// The cause of this name.
+fn cause(word: &str) -> Result<HiddenEffect, String> {
     let known: Vec<&str> = HIDDEN_EFFECTS.iter().map(|(_, word)| *word).collect();
-    format!("unknown cause `{word}`; there are: none, {}", known.join(", "))
+    HiddenEffect::named(word)
+        .ok_or_else(|| format!("unknown cause `{word}`; there are: none, {}", known.join(", ")))
 }

@@ -11,7 +11,9 @@
 //! | conform | the true value is below the upper bound: what is said to conform at a limit does so with 95 % |
 //! | not conform | the true value is above the lower bound |
 
-use crate::{folder, print};
+use crate::results::finish;
+use crate::{asked, folder};
+use clap::Parser;
 use rayon::prelude::*;
 use std::error::Error;
 use std::fmt::Write;
@@ -42,13 +44,16 @@ struct Held {
     all: usize,
 }
 
+/// The options of the run.
+#[derive(Parser)]
+struct Asked {
+    #[arg(long, default_value_t = 2000)]
+    robots: u64,
+}
+
 /// Runs the study.
 pub fn run(arguments: &[String]) -> Result<(), Box<dyn Error>> {
-    let robots: u64 = match arguments {
-        [] => 2000,
-        [word, number] if word == "--robots" => number.parse()?,
-        _ => return Err("the study takes `--robots N`".into()),
-    };
+    let Asked { robots } = asked(arguments)?;
     let chain = samples::ur10();
     let scatter = scatter(&chain)?;
     let rows = (0..robots)
@@ -76,9 +81,7 @@ pub fn run(arguments: &[String]) -> Result<(), Box<dyn Error>> {
         let (above, below) = (share(held.above), share(held.below));
         writeln!(text, "{:28} {above:>9} {below:>12} {:>9}", held.name, held.all)?;
     }
-    print(&text);
-    std::fs::write(folder("guard-band")?.join("table.txt"), text)?;
-    Ok(())
+    finish("guard-band", &folder("guard-band")?.join("table.txt"), &text)
 }
 
 /// A robot with constant errors.

@@ -19,8 +19,10 @@ mod unnamed;
 mod verbs;
 mod visits;
 
-use crate::journal::{Journal, commit};
-use crate::{folder, print};
+use crate::journal::Journal;
+use crate::results::{Kept, finish};
+use crate::{asked, print};
+use clap::Parser;
 use record::{Figure, Record};
 use robots::{Robot, locked};
 use std::error::Error;
@@ -34,32 +36,44 @@ const NESTED: Range<u64> = 0..60;
 const ALL: Asked = Asked { solvers: true, discover: true, export: true, compensate: true };
 
 /// The options of the run.
+#[derive(Parser)]
 struct Options {
+    /// FROM..TO, TO left out.
+    #[arg(long, value_parser = range)]
     robots: Option<Range<u64>>,
-    half: Option<bool>,
-    asked: Asked,
+    /// This robot alone.
+    #[arg(long)]
+    one: Option<u64>,
+    #[arg(long, value_parser = ["even", "odd"])]
+    half: Option<String>,
+    /// Of identify (which always runs), solvers, discover, export, compensate.
+    #[arg(long, value_parser = verbs)]
+    verbs: Option<Asked>,
+    #[arg(long)]
     nested: bool,
-    folder: Option<String>,
+    #[command(flatten)]
+    kept: Kept,
 }
 
 /// Runs the study.
 pub fn run(arguments: &[String]) -> Result<(), Box<dyn Error>> {
-    let options = Options::of(arguments)?;
-    let commit = commit();
-    let into = options.folder.clone().unwrap_or_else(|| commit.chars().take(12).collect());
-    let folder = folder("harm")?.join(into);
-    std::fs::create_dir_all(&folder)?;
-    print(&format!("commit {commit}; {}", folder.display()));
+    let options: Options = asked(arguments)?;
+    let (folder, commit) = options.kept.open("harm")?;
     let part = if options.nested { "nested" } else { "harm" };
     let mut journal: Journal<Record> = Journal::open(&folder, part, &commit)?;
-    let numbers = options.robots.clone().unwrap_or(if options.nested { NESTED } else { ROBOTS });
-    for number in numbers.clone().filter(|&n| options.half.is_none_or(|half| locked(n) == half)) {
+    let numbers = options.one.map(|number| number..number + 1).or(options.robots.clone());
+    let numbers = numbers.unwrap_or(if options.nested { NESTED } else { ROBOTS });
+    let wanted = |n: &u64| options.half.as_ref().is_none_or(|half| locked(*n) == (half == "odd"));
+    for number in numbers.clone().filter(wanted) {
         if journal.records.iter().any(|known| known.number == number) {
             continue;
         }
         let robot = Robot::of(number)?;
-        let record =
-            if options.nested { verbs::run_nested(&robot) } else { verbs::run(&robot, options.asked) };
+        let record = if options.nested {
+            verbs::run_nested(&robot)
+        } else {
+            verbs::run(&robot, options.verbs.unwrap_or(ALL))
+        };
         print(&progress(&record, options.nested));
         journal.add(record)?;
     }
@@ -67,10 +81,7 @@ pub fn run(arguments: &[String]) -> Result<(), Box<dyn Error>> {
         journal.records.iter().filter(|record| numbers.contains(&record.number)).cloned().collect();
     let text = if options.nested { table::nested(&mine)? } else { table::harm(&mine)? };
     let text = format!("commit {commit}\n\n{text}");
-    print(&text);
-    std::fs::write(folder.join(format!("{part}.txt")), text)?;
-    print(&format!("table and record in {}", folder.display()));
-    Ok(())
+    finish("harm", &folder.join(format!("{part}.txt")), &text)
 }
 
 fn progress(r: &Record, nested: bool) -> String {
@@ -105,41 +116,14 @@ fn progress(r: &Record, nested: bool) -> String {
     line
 }
 
-impl Options {
-    fn of(arguments: &[String]) -> Result<Self, Box<dyn Error>> {
-        let mut options = Options { robots: None, half: None, asked: ALL, nested: false, folder: None };
-        let mut rest = arguments.iter();
-        while let Some(word) = rest.next() {
-            let mut next = || rest.next().ok_or_else(|| format!("`{word}` lacks its value"));
-            match word.as_str() {
-                "--robots" => {
-                    let text = next()?;
-                    let (from, to) = text.split_once("..").ok_or("--robots: FROM..TO, TO left out")?;
-                    options.robots = Some(from.parse()?..to.parse()?);
-                }
-                "--one" => {
-                    let number: u64 = next()?.parse()?;
-                    options.robots = Some(number..number + 1);
-                }
-                "--half" => {
-                    options.half = Some(match next()?.as_str() {
-                        "even" => false,
-                        "odd" => true,
-                        other => return Err(format!("--half: even or odd, not `{other}`").into()),
-                    });
-                }
-                "--verbs" => options.asked = asked(next()?)?,
-                "--nested" => options.nested = true,
-                "--folder" => options.folder = Some(next()?.clone()),
-                word => return Err(format!("unknown option `{word}` of the study").into()),
-            }
-        }
-        Ok(options)
-    }
+fn range(text: &str) -> Result<Range<u64>, String> {
+    let (from, to) = text.split_once("..").ok_or("FROM..TO, TO left out")?;
+    let number = |text: &str| text.parse::<u64>().map_err(|error| error.to_string());
+    Ok(number(from)?..number(to)?)
 }
 
 /// The verbs of a list; `identify` always runs.
-fn asked(list: &str) -> Result<Asked, Box<dyn Error>> {
+fn verbs(list: &str) -> Result<Asked, String> {
     let mut asked = Asked { solvers: false, discover: false, export: false, compensate: false };
     for word in list.split(',') {
         match word {
@@ -150,7 +134,7 @@ fn asked(list: &str) -> Result<Asked, Box<dyn Error>> {
             "compensate" => asked.compensate = true,
             _ => {
                 let known = "identify, solvers, discover, export, compensate";
-                return Err(format!("unknown verb `{word}`; there are: {known}").into());
+                return Err(format!("unknown verb `{word}`; there are: {known}"));
             }
         }
     }

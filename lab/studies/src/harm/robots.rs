@@ -66,7 +66,7 @@ impl Robot {
         let (make, hidden) = (MAKES[in_turn(7)], HIDDEN[in_turn(13)]);
         let (style, spoil) = (STYLES[in_turn(5)], SPOILS[in_turn(11)]);
         let seed = seed(number);
-        let draw = |stream| Draw::of(seed, stream);
+        let draw = |stream: Stream| stream.draw(seed);
 
         let chain = placed(make, spoil, &mut draw(Stream::Shape), &mut draw(Stream::Place))?;
         let described = described(&chain, spoil, &mut draw(Stream::Known))?;

@@ -157,7 +157,7 @@ mod tests {
     #[test]
     fn each_kind_spoils_what_it_says() {
         let clean = record();
-        let spoiled = |spoil: Spoil| spoil.spoiled(&clean, &mut Draw::of(2, Stream::Spoil));
+        let spoiled = |spoil: Spoil| spoil.spoiled(&clean, &mut Stream::Spoil.draw(2));
         let moved = |data: &Dataset| {
             (0..data.len()).filter(|&row| data.measured_position(row) != clean.measured_position(row)).count()
         };
@@ -177,7 +177,7 @@ mod tests {
     #[test]
     fn flicker_is_what_an_encoder_shows() {
         let clean = record();
-        let data = Spoil::Flicker.spoiled(&clean, &mut Draw::of(2, Stream::Spoil));
+        let data = Spoil::Flicker.spoiled(&clean, &mut Stream::Spoil.draw(2));
         let off = data.joints[0].iter().zip(&clean.joints[0]).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         // Five deviations of a ten-thousandth of a degree.
         assert!(off > 1e-8 && off < 5e-4f64.to_radians(), "{off}");

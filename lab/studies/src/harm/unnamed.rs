@@ -152,7 +152,7 @@ mod tests {
     #[test]
     fn nonsense_is_smooth_and_has_its_size() {
         let chain = samples::heavy();
-        let mut draw = Draw::of(5, Stream::Unnamed);
+        let mut draw = Stream::Unnamed.draw(5);
         let field = Unnamed::of(&chain).with_nonsense(0.2, &mut draw);
         let off = |q: &[f64]| field.performed(&[q.to_vec()], None)[0][1] - q[1];
         let mut square = 0.0;
@@ -171,7 +171,7 @@ mod tests {
     fn the_instrument_wanders_with_a_memory() {
         let wandering = Unnamed::default().with_wander(1e-4, 20.0);
         let mut data = Dataset { position: vec![[0.0; 3]; 20_000], ..Dataset::default() };
-        wandering.wander(&mut data, &mut Draw::of(1, Stream::Scatter));
+        wandering.wander(&mut data, &mut Stream::Scatter.draw(1));
         let x = |k: usize| data.position[k][0];
         let square: f64 = (0..19_980).map(|k| x(k) * x(k)).sum();
         let later: f64 = (0..19_980).map(|k| x(k) * x(k + 20)).sum();

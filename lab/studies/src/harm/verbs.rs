@@ -13,6 +13,7 @@ use super::fits::{Fits, attempt};
 use super::record::{Figure, Record};
 use super::robots::Robot;
 use crate::discovery::trial::processor_seconds;
+use std::collections::BTreeMap;
 use std::error::Error;
 use std::time::Instant;
 use truepose_compensate::{ExportOptions, corrected_chain};
@@ -143,7 +144,7 @@ fn blank(robot: &Robot) -> Record {
         targets: robot.described.targets().len(),
         given: given.join("+"),
         noise_mm: 1e3 * robot.noise,
-        figures: [f64::NAN; super::record::FIGURES.len()],
+        figures: BTreeMap::new(),
         finds: String::new(),
         refused: Vec::new(),
     }

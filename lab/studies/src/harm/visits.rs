@@ -131,7 +131,7 @@ mod tests {
     fn what_is_fresh_lies_where_was_measured() {
         let chain = samples::heavy();
         for style in STYLES {
-            let mut draw = Draw::of(3, Stream::Visits);
+            let mut draw = Stream::Visits.draw(3);
             let region = Region::of(style, &chain, &mut draw);
             let measured = region.measured(200, &mut draw);
             assert_eq!(measured.len(), 200);
@@ -155,7 +155,7 @@ mod tests {
     #[test]
     fn a_sweep_moves_one_joint_and_a_grid_keeps_its_order() {
         let chain = samples::heavy();
-        let mut draw = Draw::of(4, Stream::Visits);
+        let mut draw = Stream::Visits.draw(4);
         let swept = Region::of(Style::Swept, &chain, &mut draw).measured(60, &mut draw);
         let moves = |pair: &[Vec<f64>]| (0..6).filter(|&j| (pair[1][j] - pair[0][j]).abs() > 1e-12).count();
         assert!(swept.windows(2).all(|pair| moves(pair) <= 2));

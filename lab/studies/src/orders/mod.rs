@@ -12,6 +12,7 @@
 use crate::clock::least;
 use crate::closed_loop::{Robot, robots};
 use crate::pps::{Experiment, Strategy, polynomial, reduced_first};
+use crate::results::finish;
 use crate::{folder, print};
 use rayon::prelude::*;
 use serde_json::json;
@@ -36,7 +37,7 @@ struct Shown {
 }
 
 /// Runs the study.
-pub fn run() -> Result<(), Box<dyn Error>> {
+pub fn run(_: &[String]) -> Result<(), Box<dyn Error>> {
     let folder = folder("orders")?;
     let mut text = String::new();
     writeln!(text, "{PLANTS} plants each; error: median [worst], µm")?;
@@ -86,9 +87,7 @@ pub fn run() -> Result<(), Box<dyn Error>> {
             }
         }
     }
-    std::fs::write(folder.join("table.txt"), &text)?;
-    print(&format!("table in {}", folder.display()));
-    Ok(())
+    finish("orders", &folder.join("table.txt"), &text)
 }
 
 fn line(

@@ -20,7 +20,9 @@ pub use models::{Strategy, polynomial, reduced_first};
 pub use trial::Experiment;
 
 use crate::clock::{least, least_on_the_wall};
-use crate::{folder, print};
+use crate::results::finish;
+use crate::{asked, folder, print};
+use clap::Parser;
 use models::strategies;
 use rayon::prelude::*;
 use std::error::Error;
@@ -33,11 +35,19 @@ const TIMED: usize = 3;
 /// How often each, of which the quickest counts.
 const RUNS: usize = 3;
 
+/// The options of the run.
+#[derive(Parser)]
+struct Asked {
+    #[arg(long, default_value_t = PLANTS)]
+    plants: u64,
+    /// Models with these words in their names.
+    #[arg(long, default_value = "")]
+    only: String,
+}
+
 /// Runs the study.
 pub fn run(arguments: &[String]) -> Result<(), Box<dyn Error>> {
-    let after = |name: &str| arguments.iter().skip_while(|a| *a != name).nth(1);
-    let plants: u64 = after("--plants").map_or(Ok(PLANTS), |n| n.parse())?;
-    let only = after("--only").cloned().unwrap_or_default();
+    let Asked { plants, only } = asked(arguments)?;
     let folder = folder("pps")?;
     let mut text = String::new();
     let experiments: Vec<Experiment> = (0..plants)
@@ -87,8 +97,7 @@ pub fn run(arguments: &[String]) -> Result<(), Box<dyn Error>> {
         }
     }
     writeln!(text, "paper (measured, one machine): {:>39}", "0.38")?;
-    print(&text);
-    std::fs::write(folder.join("table.txt"), &text)?;
+    finish("pps", &folder.join("table.txt"), &text)?;
     let missed: usize = best.iter().flat_map(|b| &b.1).map(|r| r.errors.len() - r.reached).sum();
     print(&format!("commands of the best model that are not ok: {missed}"));
     if let (Some((_, radii, name)), Some(first)) = (best, experiments.first()) {
@@ -96,7 +105,7 @@ pub fn run(arguments: &[String]) -> Result<(), Box<dyn Error>> {
         figures::repeatability(&folder.join("figure_7.svg"), first)?;
         figures::axes(&folder.join("figure_8.svg"), &radii)?;
         figures::linearity(&folder.join("linearity.svg"), first)?;
-        print(&format!("figures and table in {}", folder.display()));
+        print(&format!("figures in {}", folder.display()));
     }
     Ok(())
 }

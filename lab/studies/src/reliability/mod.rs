@@ -22,8 +22,10 @@ use crate::discovery::record::Record as Discovered;
 use crate::discovery::trial::Task;
 use crate::discovery::work;
 use crate::document;
-use crate::journal::{Journal, Line, commit};
-use crate::{folder, print};
+use crate::journal::{Journal, line};
+use crate::results::{Kept, finish};
+use crate::{asked, print};
+use clap::Parser;
 use record::Record;
 use std::error::Error;
 
@@ -43,39 +45,32 @@ const FOUND: [HiddenEffect; 8] = [
 const CLEAR: [f64; 2] = [4.0, 8.0];
 
 /// How many robots of each part.
+#[derive(Parser)]
 struct Asked {
-    robots: u64,
-    nulls: u64,
-    finds: u64,
-    folder: Option<String>,
+    /// 20 robots, 6 nulls; seconds.
+    #[arg(long)]
     short: bool,
+    #[arg(long, default_value_t = 1000, default_value_if("short", "true", "20"))]
+    robots: u64,
+    #[arg(long, default_value_t = 300, default_value_if("short", "true", "6"))]
+    nulls: u64,
+    #[arg(long, default_value_t = 12, default_value_if("short", "true", "0"))]
+    finds: u64,
+    #[command(flatten)]
+    kept: Kept,
+    /// One robot, as a line.
+    #[arg(long)]
+    one: Option<u64>,
 }
 
 /// Runs the study.
 pub fn run(arguments: &[String]) -> Result<(), Box<dyn Error>> {
-    let mut asked = Asked { robots: 1000, nulls: 300, finds: 12, folder: None, short: false };
-    let mut rest = arguments.iter();
-    while let Some(word) = rest.next() {
-        let mut next = || rest.next().ok_or_else(|| format!("`{word}` lacks its value"));
-        match word.as_str() {
-            "--short" => asked = Asked { robots: 20, nulls: 6, finds: 0, short: true, ..asked },
-            "--robots" => asked.robots = next()?.parse()?,
-            "--nulls" => asked.nulls = next()?.parse()?,
-            "--finds" => asked.finds = next()?.parse()?,
-            "--folder" => asked.folder = Some(next()?.clone()),
-            "--one" => {
-                print(&trial::run(next()?.parse()?).row());
-                return Ok(());
-            }
-            word => return Err(format!("unknown option `{word}` of the study").into()),
-        }
+    let asked: Asked = asked(arguments)?;
+    if let Some(seed) = asked.one {
+        print(line(&trial::run(seed)).trim_end());
+        return Ok(());
     }
-    let commit = commit();
-    let into = asked.folder.clone().unwrap_or_else(|| commit.chars().take(12).collect());
-    let folder = folder("reliability")?.join(into);
-    std::fs::create_dir_all(&folder)?;
-    print(&format!("commit {commit}; {}", folder.display()));
-
+    let (folder, commit) = asked.kept.open("reliability")?;
     let mut robots: Journal<Record> = Journal::open(&folder, "robots", &commit)?;
     for seed in 0..asked.robots {
         if !robots.records.iter().any(|known| known.seed == seed) {
@@ -106,19 +101,16 @@ pub fn run(arguments: &[String]) -> Result<(), Box<dyn Error>> {
         table::declared(&robots.records)?,
         table::found(&finds.records)?,
         table::nulls(&robots.records, &nulls.records)?,
-        "Ten ill-conditioned problems against sixty digits (`crates/studies/src/reliability/reference/make.py`); errors are relative, in columns of \
+        "Ten ill-conditioned problems against sixty digits (`lab/studies/src/reliability/reference/make.py`); errors are relative, in columns of \
          unit length:\n"
             .to_owned(),
         precision::table(&precision::all()?)?,
     ]
     .join("\n");
-    print(&text);
-    std::fs::write(folder.join("table.md"), &text)?;
     if !asked.short {
         document::write("reliability", &text)?;
     }
-    print(&format!("tables in {}", folder.display()));
-    Ok(())
+    finish("reliability", &folder.join("table.md"), &text)
 }
 
 #[cfg(test)]

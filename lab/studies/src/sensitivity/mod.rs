@@ -9,19 +9,28 @@ mod table;
 use crate::discovery::hidden_effects::{HIDDEN_EFFECTS, HiddenEffect};
 use crate::discovery::record::Record;
 use crate::discovery::trial::Task;
-use crate::journal::{Journal, commit};
-use crate::{folder, print};
+use crate::journal::Journal;
+use crate::results::{Kept, finish};
+use crate::{asked, print};
+use clap::Parser;
 use std::error::Error;
 use truepose_discover::Policy;
 
 /// What was asked for.
+#[derive(Parser)]
 struct Asked {
+    #[arg(long, default_value_t = 20)]
     robots: u64,
+    #[arg(long, default_value_t = 20)]
     nulls: u64,
+    #[arg(long, default_value_t = 2.0)]
     multiple: f64,
+    #[arg(long, value_delimiter = ',')]
     beliefs: Vec<String>,
+    #[arg(long, value_delimiter = ',', default_values_t = [0.5, 2.0])]
     factors: Vec<f64>,
-    folder: Option<String>,
+    #[command(flatten)]
+    kept: Kept,
 }
 
 /// A policy with one belief changed; no belief for the default.
@@ -33,12 +42,11 @@ struct Changed {
 
 /// Runs the study.
 pub fn run(arguments: &[String]) -> Result<(), Box<dyn Error>> {
-    let asked = Asked::of(arguments)?;
-    let commit = commit();
-    let into = asked.folder.clone().unwrap_or_else(|| commit.chars().take(12).collect());
-    let folder = folder("sensitivity")?.join(into);
-    std::fs::create_dir_all(&folder)?;
-    print(&format!("commit {commit}; {}", folder.display()));
+    let mut asked: Asked = asked(arguments)?;
+    if asked.beliefs.is_empty() {
+        asked.beliefs = Policy::default().table().into_iter().map(|(belief, _)| belief.to_owned()).collect();
+    }
+    let (folder, commit) = asked.kept.open("sensitivity")?;
     let tasks = asked.tasks();
     let mut rows = Vec::new();
     for Changed { belief, factor, policy } in asked.policies()? {
@@ -57,40 +65,10 @@ pub fn run(arguments: &[String]) -> Result<(), Box<dyn Error>> {
     }
     let text =
         format!("commit {commit}\n\n{}", table::text(&rows, asked.robots, asked.nulls, asked.multiple)?);
-    print(&text);
-    std::fs::write(folder.join("table.txt"), text)?;
-    Ok(())
+    finish("sensitivity", &folder.join("table.txt"), &text)
 }
 
 impl Asked {
-    fn of(arguments: &[String]) -> Result<Self, Box<dyn Error>> {
-        let every = Policy::default().table().into_iter().map(|(belief, _)| belief.to_owned());
-        let mut asked = Asked {
-            robots: 20,
-            nulls: 20,
-            multiple: 2.0,
-            beliefs: every.collect(),
-            factors: vec![0.5, 2.0],
-            folder: None,
-        };
-        let mut rest = arguments.iter();
-        while let Some(word) = rest.next() {
-            let mut next = || rest.next().ok_or_else(|| format!("`{word}` lacks its value"));
-            match word.as_str() {
-                "--robots" => asked.robots = next()?.parse()?,
-                "--nulls" => asked.nulls = next()?.parse()?,
-                "--multiple" => asked.multiple = next()?.parse()?,
-                "--beliefs" => asked.beliefs = next()?.split(',').map(str::to_owned).collect(),
-                "--factors" => {
-                    asked.factors = next()?.split(',').map(str::parse).collect::<Result<_, _>>()?;
-                }
-                "--folder" => asked.folder = Some(next()?.clone()),
-                word => return Err(format!("unknown option `{word}` of the study").into()),
-            }
-        }
-        Ok(asked)
-    }
-
     /// Robots with one hidden cause each, and nulls.
     fn tasks(&self) -> Vec<Task> {
         let hidden = (0..self.robots).map(|seed| Task {

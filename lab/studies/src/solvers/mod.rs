@@ -11,9 +11,11 @@ mod strategies;
 mod summary;
 mod trial;
 
+use crate::journal::Journal;
+use crate::results::finish;
 use crate::{folder, print};
 use family::Recipe;
-use record::{Journal, Record};
+use record::{Record, Solved};
 use std::error::Error;
 
 /// Draws of each problem.
@@ -37,33 +39,38 @@ impl Task {
 }
 
 /// Runs the study.
-pub fn run() -> Result<(), Box<dyn Error>> {
+pub fn run(_: &[String]) -> Result<(), Box<dyn Error>> {
     let folder = folder("solvers")?;
     let strategies = strategies::strategies()?;
-    let mut journal = Journal::open(&folder)?;
+    let mut journal: Journal<Solved> = Journal::open_at(&folder, "partial", &fingerprint()?)?;
     let tasks = tasks();
     let mut records: Vec<Record> = Vec::new();
     for (k, task) in tasks.iter().enumerate() {
         let name = task.name();
-        if journal.known(&name).is_none() {
-            let done = match task {
+        if !journal.records.iter().any(|known| known.problem == name) {
+            let records = match task {
                 Task::Family { sweep, recipe } => trial::trial(sweep, recipe, &strategies)?,
                 Task::Robot { plant, outliers, seed } => robots::trial(plant, *outliers, *seed, &strategies)?,
             };
-            journal.add(&name, done)?;
+            journal.add(Solved { problem: name.clone(), records })?;
         }
-        records.extend_from_slice(journal.known(&name).unwrap_or_default());
+        let known = journal.records.iter().find(|known| known.problem == name);
+        records.extend(known.iter().flat_map(|known| known.records.clone()));
         if (k + 1) % 20 == 0 {
             print(&format!("{} of {} problems", k + 1, tasks.len()));
         }
     }
     let text = summary::text(&records, &strategies)?;
-    print(&text);
-    std::fs::write(folder.join("table.txt"), &text)?;
     figures::draw(&folder, &records)?;
-    journal.finish(&records)?;
-    print(&format!("tables and figures in {}", folder.display()));
-    Ok(())
+    journal.finish("table")?;
+    finish("solvers", &folder.join("table.txt"), &text)
+}
+
+/// Another program (a changed one) takes nothing up.
+fn fingerprint() -> Result<String, Box<dyn Error>> {
+    let program = std::fs::metadata(std::env::current_exe()?)?;
+    let time = program.modified()?.duration_since(std::time::UNIX_EPOCH)?;
+    Ok(format!("{} {}", program.len(), time.as_nanos()))
 }
 
 /// All problems, the order of which is that of the table.

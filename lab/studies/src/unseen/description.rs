@@ -203,16 +203,16 @@ impl Description {
         };
         match kind {
             Kind::Power => {
-                one.cause = Some(draw.of(&INSIDE));
+                one.cause = Some(draw.one(&INSIDE));
                 one.size = 5.0;
                 fewer(&mut one, cell.parse().unwrap_or(60));
             }
             Kind::Outside => {
-                one.cause = Some(draw.of(&OUTSIDE));
+                one.cause = Some(draw.one(&OUTSIDE));
                 one.size = draw.logarithmic(2.0, 10.0);
                 let poses = draw.logarithmic(20.0, 1000.0).round() as usize;
                 fewer(&mut one, poses);
-                one.order = draw.of(&[Order::Shuffled, Order::Snake, Order::JointByJoint]);
+                one.order = draw.one(&[Order::Shuffled, Order::Snake, Order::JointByJoint]);
             }
             Kind::Null => one.heavy_tails = draw.chance(0.33),
             Kind::Memory => {
@@ -222,14 +222,14 @@ impl Description {
                 one.noise_um[0] = 0.3 * one.noise_um[1];
                 let poses = draw.logarithmic(40.0, 300.0).round() as usize;
                 fewer(&mut one, poses);
-                let swept = draw.of(&[Order::Snake, Order::JointByJoint]);
+                let swept = draw.one(&[Order::Snake, Order::JointByJoint]);
                 one.order = if order == "swept" { swept } else { Order::Shuffled };
             }
             Kind::Flicker => {
                 one.flicker_deg = draw.logarithmic(1e-5, 1e-4);
                 one.columns.visit = false;
-                one.targets = draw.of(&[2, 3]);
-                one.order = draw.of(&[Order::Shuffled, Order::Snake, Order::JointByJoint]);
+                one.targets = draw.one(&[2, 3]);
+                one.order = draw.one(&[Order::Shuffled, Order::Snake, Order::JointByJoint]);
             }
             Kind::Columns => {
                 let missing = [0.0; 3].map(|_: f64| draw.chance(0.6));
@@ -237,7 +237,7 @@ impl Description {
                 one.columns.time = !missing[1];
                 one.columns.approach = !missing[2];
                 one.columns.temperature = draw.chance(0.5);
-                one.order = draw.of(&[Order::Shuffled, Order::Snake, Order::JointByJoint]);
+                one.order = draw.one(&[Order::Shuffled, Order::Snake, Order::JointByJoint]);
             }
             Kind::Joints => {
                 one.joint_noise = true;
@@ -251,7 +251,7 @@ impl Description {
             Kind::Bad => {
                 fewer(&mut one, 100);
                 one.bad_poses = cell.parse().unwrap_or(1);
-                one.targets = draw.of(&[2, 3]);
+                one.targets = draw.one(&[2, 3]);
             }
             Kind::Rows => one.outliers = 0.02,
             Kind::Unweighed => {
@@ -260,7 +260,7 @@ impl Description {
                 one.size = 5.0;
                 let poses = draw.logarithmic(30.0, 100.0).round() as usize;
                 fewer(&mut one, poses);
-                one.make = draw.of(&[Make::Elbow, Make::Elbow, Make::Tree]);
+                one.make = draw.one(&[Make::Elbow, Make::Elbow, Make::Tree]);
                 // Nothing else that is not declared depends on weights.
                 (one.weights, one.compliance) = (false, false);
             }
@@ -268,7 +268,7 @@ impl Description {
                 one.cause = Some(Cause::Everything);
                 one.size = draw.logarithmic(everything::SIZES[0], everything::SIZES[1]);
                 fewer(&mut one, cell.parse().unwrap_or(everything::POSES[0]));
-                one.make = draw.of(&[Make::Elbow, Make::Elbow, Make::Tree]);
+                one.make = draw.one(&[Make::Elbow, Make::Elbow, Make::Tree]);
                 (one.joint_noise, one.columns.approach) = (true, true);
             }
             Kind::Words => {
@@ -292,9 +292,9 @@ impl Description {
     fn show(&mut self, cause: Cause, draw: &mut Draw) {
         match cause {
             Cause::Bridge | Cause::Ram => self.make = Make::Gantry,
-            Cause::FourBar => self.make = draw.of(&[Make::Elbow, Make::Tree]),
+            Cause::FourBar => self.make = draw.one(&[Make::Elbow, Make::Tree]),
             // Arms whose joints carry weights.
-            _ => self.make = draw.of(&[Make::Elbow, Make::Elbow, Make::Tree]),
+            _ => self.make = draw.one(&[Make::Elbow, Make::Elbow, Make::Tree]),
         }
         self.columns.temperature = matches!(cause, Cause::WholeArm | Cause::Lubricant) || draw.chance(0.3);
         self.columns.approach = true;
@@ -316,7 +316,7 @@ impl Description {
         let poses = draw.logarithmic(20.0, 150.0).round() as usize;
         let temperature = draw.chance(0.6);
         Description {
-            make: draw.of(&MAKES),
+            make: draw.one(&MAKES),
             cause: None,
             size: 0.0,
             poses,

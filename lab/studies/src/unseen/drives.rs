@@ -31,7 +31,7 @@ pub fn drives(chain: &Chain, loads: &[f64]) -> Vec<Drive> {
 /// Each drive turns by this angle, rad, times 0.3 to 3 under its largest moment: a gear is chosen for its moment. `seed` is uniform in [0, 1).
 pub fn soften(drives: &[Drive], truth: &mut Truth, angle: f64, seed: f64) {
     for drive in drives {
-        let mut draw = Draw::seeded(seed.to_bits() ^ drive.place as u64);
+        let mut draw = Draw::of(seed.to_bits() ^ drive.place as u64, 0);
         truth.joints[drive.place].stiffness.drive = drive.load / (angle * draw.logarithmic(0.3, 3.0));
     }
 }

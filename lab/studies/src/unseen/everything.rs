@@ -30,7 +30,7 @@ impl Hidden {
     pub fn amend_everything(&self, truth: &mut Truth, size: f64) -> Result<(), Box<dyn Error>> {
         for (number, piece) in self.pieces.iter().enumerate() {
             // Every part has its own numbers, whichever others there are.
-            let mut draw = Draw::seeded(self.u[0].to_bits() ^ number as u64);
+            let mut draw = Draw::of(self.u[0].to_bits() ^ number as u64, 0);
             if self.only.is_none_or(|only| only == number) {
                 self.amend_piece(piece, truth, 1e-4 * size, &mut draw)?;
             }

@@ -60,10 +60,10 @@ impl Hidden {
         if places.is_empty() {
             return None;
         }
-        let (k, joint) = draw.of(&places);
+        let (k, joint) = draw.one(&places);
         let others: Vec<JointId> =
             chain.movable().iter().copied().filter(|&j| j != joint && turns(j)).collect();
-        let driver = if others.is_empty() { None } else { Some(draw.of(&others)) };
+        let driver = if others.is_empty() { None } else { Some(draw.one(&others)) };
         if cause == Cause::Coupling && driver.is_none() {
             return None;
         }

@@ -32,76 +32,72 @@ mod trial;
 mod words;
 
 use crate::document;
-use crate::journal::{Journal, Line, commit};
-use crate::{folder, print};
+use crate::journal::{Journal, commit, line};
+use crate::results::{Kept, finish};
+use crate::{asked, print};
+use clap::Parser;
 use description::{KINDS, Kind};
 use rayon::prelude::*;
 use record::Record;
 use std::error::Error;
-use std::path::Path;
 use std::sync::Mutex;
 use stream::Half;
 use trial::Task;
 
 /// The options of the run.
+#[derive(Parser)]
 struct Asked {
+    #[arg(long, value_parser = half, default_value = "tuning")]
     half: Half,
     /// Which robots of the half: a locked half that was looked at has a later one.
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..=255))]
     series: u64,
-    kinds: Vec<Kind>,
+    #[arg(long, value_delimiter = ',', value_parser = kind)]
+    kind: Vec<Kind>,
     /// Only these numbers of poses, of the kind `power`.
-    poses: Option<Vec<String>>,
+    #[arg(long, value_delimiter = ',', value_parser = poses)]
+    poses: Vec<String>,
     /// Only robots with these causes.
-    causes: Option<Vec<String>>,
+    #[arg(long, value_delimiter = ',')]
+    cause: Vec<String>,
+    #[arg(long, default_value_t = 100)]
     robots: u64,
+    #[arg(long, default_value_t = 0)]
     from: u64,
-    folder: Option<String>,
+    #[command(flatten)]
+    kept: Kept,
     /// Whether the summary goes into the documentation.
+    #[arg(long)]
     publish: bool,
-    one: Option<Task>,
+    /// One report.
+    #[arg(long, num_args = 3, value_names = ["KIND", "CELL", "NUMBER"], allow_hyphen_values = true)]
+    one: Vec<String>,
 }
 
 /// Runs the study.
 pub fn run(arguments: &[String]) -> Result<(), Box<dyn Error>> {
-    let asked = Asked::of(arguments)?;
-    if let Some(task) = &asked.one {
+    let asked: Asked = asked(arguments)?;
+    if let [word, cell, number] = &asked.one[..] {
+        let task = asked.task(kind(word)?, &cell.replace('-', ""), number.parse()?);
         print(&task.report()?);
-        print(&task.run().row());
+        print(line(&task.run()).trim_end());
         return Ok(());
     }
-    let commit = commit();
-    if asked.half == Half::Locked && commit.ends_with("-changed") {
+    if asked.half == Half::Locked && commit().ends_with("-changed") {
         return Err("files differ from the commit; the locked half is run at a commit alone".into());
     }
-    let into = asked.folder.clone().unwrap_or_else(|| commit.chars().take(12).collect());
-    let folder = folder("unseen")?.join(into);
-    std::fs::create_dir_all(&folder)?;
+    let (folder, commit) = asked.kept.open("unseen")?;
     let (half, part) = (asked.half.word(), asked.half.part(asked.series));
-    print(&format!("{half} half, series {}, commit {commit}; {}", asked.series, folder.display()));
     let journal = Journal::open(&folder, &part, &commit)?;
+    let begun = journal.begun.clone();
     let records = work(journal, &asked.tasks())?;
     let series = if asked.series > 1 { format!(", series {}", asked.series) } else { String::new() };
-    let head = format!("The {half} half{series}, commit {}.\n\n", begun(&folder, &part)?);
+    let head = format!("The {half} half{series}, commit {begun}.\n\n");
     let text = head + &summary::all(&records)?;
-    print(&text);
     if asked.publish {
         document::write(&format!("unseen {part}"), &text)?;
     }
-    write(&folder, &part, &text)
-}
-
-/// The commit at which a table was begun: that of its first line.
-fn begun(folder: &Path, part: &str) -> std::io::Result<String> {
-    let text = std::fs::read_to_string(folder.join(format!("{part}.csv")))?;
-    let first = text.lines().next().and_then(|line| line.strip_prefix("# commit "));
-    Ok(first.unwrap_or("unknown").to_owned())
-}
-
-fn write(folder: &Path, part: &str, text: &str) -> Result<(), Box<dyn Error>> {
-    let path = folder.join(format!("{part}.md"));
-    std::fs::write(&path, text)?;
-    print(&format!("table in {}", path.display()));
-    Ok(())
+    finish("unseen", &folder.join(format!("{part}.md")), &text)
 }
 
 /// Runs what is not yet in the journal, robots in parallel; each line is written when its robot is done.
@@ -139,60 +135,6 @@ fn work(journal: Journal<Record>, tasks: &[Task]) -> Result<Vec<Record>, Box<dyn
 }
 
 impl Asked {
-    fn of(arguments: &[String]) -> Result<Self, Box<dyn Error>> {
-        let mut asked = Asked {
-            half: Half::Tuning,
-            series: 1,
-            kinds: KINDS.to_vec(),
-            poses: None,
-            causes: None,
-            robots: 100,
-            from: 0,
-            folder: None,
-            publish: false,
-            one: None,
-        };
-        let mut rest = arguments.iter();
-        let mut one = None;
-        while let Some(word) = rest.next() {
-            let mut next = || rest.next().ok_or_else(|| format!("`{word}` lacks its value"));
-            match word.as_str() {
-                "--half" => {
-                    let word = next()?;
-                    asked.half = Half::named(word)
-                        .ok_or_else(|| format!("unknown half `{word}`; there are: tuning, locked"))?;
-                }
-                "--series" => asked.series = next()?.parse()?,
-                "--kind" => {
-                    let named = |word: &str| Kind::named(word).ok_or_else(|| unknown(word));
-                    asked.kinds = next()?.split(',').map(named).collect::<Result<_, _>>()?;
-                }
-                "--poses" => asked.poses = Some(next()?.split(',').map(str::to_owned).collect()),
-                "--cause" => asked.causes = Some(next()?.split(',').map(str::to_owned).collect()),
-                "--robots" => asked.robots = next()?.parse()?,
-                "--from" => asked.from = next()?.parse()?,
-                "--folder" => asked.folder = Some(next()?.clone()),
-                "--publish" => asked.publish = true,
-                "--one" => {
-                    let word = next()?;
-                    let kind = Kind::named(word).ok_or_else(|| unknown(word))?;
-                    let cell = next()?.replace('-', "");
-                    one = Some((kind, cell, next()?.parse()?));
-                }
-                word => return Err(format!("unknown option `{word}` of the study").into()),
-            }
-        }
-        let cells = description::POSES.map(|poses| poses.to_string());
-        if let Some(wrong) = asked.poses.iter().flatten().find(|poses| !cells.contains(poses)) {
-            return Err(format!("no cell of {wrong} poses; there are: {}", cells.join(", ")).into());
-        }
-        if !(1..=255).contains(&asked.series) {
-            return Err(format!("`--series` is 1 to 255, not {}", asked.series).into());
-        }
-        asked.one = one.map(|(kind, cell, number)| asked.task(kind, &cell, number));
-        Ok(asked)
-    }
-
     fn task(&self, kind: Kind, cell: &str, number: u64) -> Task {
         let mut task = Task::of(kind, cell, self.half, number);
         task.key.series = self.series;
@@ -203,29 +145,44 @@ impl Asked {
     fn tasks(&self) -> Vec<Task> {
         let mut tasks = Vec::new();
         for number in self.from..self.from + self.robots {
-            for &kind in &self.kinds {
-                let wanted = |cell: &String| {
-                    kind != Kind::Power || self.poses.as_ref().is_none_or(|poses| poses.contains(cell))
-                };
+            let kinds = if self.kind.is_empty() { &KINDS[..] } else { &self.kind };
+            for &kind in kinds {
+                let wanted =
+                    |cell: &String| kind != Kind::Power || self.poses.is_empty() || self.poses.contains(cell);
                 let cells = kind.cells().into_iter().filter(wanted);
                 tasks.extend(cells.map(|cell| self.task(kind, &cell, number)));
             }
         }
-        if let Some(causes) = &self.causes {
-            tasks.retain(|task| task.cause().is_some_and(|cause| causes.iter().any(|word| word == cause)));
+        if !self.cause.is_empty() {
+            tasks
+                .retain(|task| task.cause().is_some_and(|cause| self.cause.iter().any(|word| word == cause)));
         }
         tasks
     }
 }
 
-fn unknown(word: &str) -> String {
-    format!("unknown kind `{word}`; there are: {}", KINDS.map(Kind::word).join(", "))
+fn half(word: &str) -> Result<Half, String> {
+    Half::named(word).ok_or_else(|| format!("unknown half `{word}`; there are: tuning, locked"))
+}
+
+fn kind(word: &str) -> Result<Kind, String> {
+    let known = KINDS.map(Kind::word).join(", ");
+    Kind::named(word).ok_or_else(|| format!("unknown kind `{word}`; there are: {known}"))
+}
+
+fn poses(word: &str) -> Result<String, String> {
+    let cells = description::POSES.map(|poses| poses.to_string());
+    let known = cells.iter().any(|cell| cell == word);
+    known
+        .then(|| word.to_owned())
+        .ok_or_else(|| format!("no cell of {word} poses; there are: {}", cells.join(", ")))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use std::fs;
+    use std::path::Path;
 
     fn arguments(text: &str) -> Vec<String> {
         text.split_whitespace().map(str::to_owned).collect()
@@ -233,21 +190,24 @@ mod tests {
 
     #[test]
     fn options_select_tasks() {
-        let asked =
-            Asked::of(&arguments("--half locked --kind power,null --poses 25,100 --robots 3 --from 7"))
-                .expect("options");
+        let asked = crate::asked::<Asked>(&arguments(
+            "--half locked --kind power,null --poses 25,100 --robots 3 --from 7",
+        ))
+        .expect("options");
         let tasks = asked.tasks();
         assert_eq!(tasks.len(), 3 * 3);
         assert!(tasks.iter().all(|task| task.key.half == Half::Locked));
         assert_eq!((tasks[0].cell.as_str(), tasks[0].key.number), ("25", 7));
         assert!(tasks.iter().all(|task| task.key.series == 1));
-        let later = Asked::of(&arguments("--series 2 --kind power --poses 30 --cause base_tilt --robots 40"))
-            .expect("options")
-            .tasks();
+        let later = crate::asked::<Asked>(&arguments(
+            "--series 2 --kind power --poses 30 --cause base_tilt --robots 40",
+        ))
+        .expect("options")
+        .tasks();
         assert!((1..20).contains(&later.len()) && later.iter().all(|task| task.key.series == 2));
         assert!(later.iter().all(|task| task.cause() == Some("base_tilt")));
         for wrong in ["--series 0", "--half both", "--kind nothing", "--poses 26", "--seeds 3", "--robots"] {
-            assert!(Asked::of(&arguments(wrong)).is_err(), "{wrong}");
+            assert!(crate::asked::<Asked>(&arguments(wrong)).is_err(), "{wrong}");
         }
     }
 
@@ -256,7 +216,7 @@ mod tests {
         let timeless = |record: &Record| {
             let mut record = record.clone();
             record.set("seconds", "");
-            Line::row(&record)
+            line(&record)
         };
         records.iter().map(timeless).collect()
     }
@@ -276,9 +236,9 @@ mod tests {
         // The first robot, and half a line of the second.
         let cut = of("cut");
         work(open(&cut), &tasks[..1]).expect("a record");
-        let path = cut.join("tuning.csv");
+        let path = cut.join("tuning.jsonl");
         let text = fs::read_to_string(&path).expect("the table");
-        let half: String = Line::row(&whole[1]).chars().take(40).collect();
+        let half: String = line(&whole[1]).chars().take(40).collect();
         fs::write(&path, text + &half).expect("half a line");
         let again = open(&cut);
         assert_eq!(again.records.len(), 1);

@@ -142,7 +142,7 @@ impl Design {
             Vector3::new(0.0, s * draw.between(-0.1, 0.1), s * draw.between(0.5, 1.1)),
             Vector3::new(s * draw.between(0.1, 0.4), 0.0, s * draw.between(-0.05, 0.2)),
             Vector3::new(s * draw.between(0.3, 0.7), 0.0, 0.0),
-            Vector3::new(s * draw.between(0.05, 0.15), s * draw.of(&[0.0, 0.06]), 0.0),
+            Vector3::new(s * draw.between(0.05, 0.15), s * draw.one(&[0.0, 0.06]), 0.0),
             Vector3::new(s * draw.between(0.03, 0.1), 0.0, 0.0),
         ];
         let weight = draw.between(20.0, 50.0) * s * s;

@@ -11,9 +11,7 @@
 //! their highest bit, so that no plant, campaign or noise of one half can occur in the other. A later series of a half is
 //! for a locked half that was looked at: other robots of the same description.
 
-use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
+pub use crate::draw::Draw;
 
 /// A half of the robots.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -88,58 +86,13 @@ impl Key {
     /// The generator of a part.
     pub fn draw(self, part: Part) -> Draw {
         let earlier = self.series.saturating_sub(1);
-        let mut rng =
-            ChaCha8Rng::seed_from_u64(earlier << 48 | self.kind << 40 | self.cell << 32 | self.number);
-        rng.set_stream(self.half.constant() << 32 | part as u64);
-        Draw(rng)
+        let seed = earlier << 48 | self.kind << 40 | self.cell << 32 | self.number;
+        Draw::of(seed, self.half.constant() << 32 | part as u64)
     }
 
     /// A seed for a part, of this half alone.
     pub fn seed(self, part: Part) -> u64 {
-        self.draw(part).0.random::<u64>() >> 1 | self.half.bit() << 63
-    }
-}
-
-/// A generator, with the distributions that are needed.
-pub struct Draw(ChaCha8Rng);
-
-impl Draw {
-    /// From a number that was drawn before.
-    pub fn seeded(seed: u64) -> Self {
-        Draw(ChaCha8Rng::seed_from_u64(seed))
-    }
-
-    /// Uniform.
-    pub fn between(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.0.random::<f64>()
-    }
-
-    /// Uniform in the logarithm.
-    pub fn logarithmic(&mut self, low: f64, high: f64) -> f64 {
-        self.between(low.ln(), high.ln()).exp()
-    }
-
-    /// 0 to `count` − 1.
-    pub fn below(&mut self, count: usize) -> usize {
-        self.0.random_range(0..count.max(1))
-    }
-
-    pub fn chance(&mut self, probability: f64) -> bool {
-        self.0.random::<f64>() < probability
-    }
-
-    pub fn normal(&mut self) -> f64 {
-        StandardNormal.sample(&mut self.0)
-    }
-
-    /// One of a list that is not empty.
-    pub fn of<T: Copy>(&mut self, list: &[T]) -> T {
-        list[self.below(list.len())]
-    }
-
-    /// −1 or 1.
-    pub fn sign(&mut self) -> f64 {
-        if self.chance(0.5) { 1.0 } else { -1.0 }
+        self.draw(part).seed() | self.half.bit() << 63
     }
 }
 
@@ -189,9 +142,8 @@ mod tests {
         assert!(second.is_disjoint(&seeds(Half::Locked, 3)));
         // The first series is that of the tables that are published: its seeds do not change.
         let key = Key { half: Half::Tuning, series: 1, kind: 2, cell: 0, number: 5 };
-        let mut known = ChaCha8Rng::seed_from_u64(2 << 40 | 5);
-        known.set_stream(0x5455_4e45 << 32 | Part::Noise as u64);
-        assert_eq!(key.seed(Part::Noise), known.random::<u64>() >> 1);
+        let mut known = Draw::of(2 << 40 | 5, 0x5455_4e45 << 32 | Part::Noise as u64);
+        assert_eq!(key.seed(Part::Noise), known.seed());
     }
 
     #[test]
