@@ -1,7 +1,6 @@
 //! The program on Parquet files: the answers and the refusals of a CSV.
 
-use crate::folder::Folder;
-use crate::spoiled::remarks;
+use crate::folder::{Folder, Run};
 use std::path::Path;
 
 /// The corpus, the table that it was made from, and its robot.
@@ -26,6 +25,13 @@ fn without_lines(text: &str) -> String {
     let mut parts = text.split(", line ");
     let first = parts.next().unwrap_or("").to_owned();
     parts.fold(first, |all, part| all + part.trim_start_matches(|c: char| c.is_ascii_digit()))
+}
+
+/// Exit code, errors and warnings of a run.
+fn remarks(run: &Run) -> String {
+    let warnings = run.out.lines().filter(|line| line.starts_with("warning: "));
+    let all: Vec<&str> = run.log.lines().filter(|line| !line.starts_with("wrote ")).chain(warnings).collect();
+    format!("[{}] {}", run.code.unwrap_or(-1), all.join("\n    "))
 }
 
 #[test]
