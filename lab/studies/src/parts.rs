@@ -1,7 +1,7 @@
 //! Studies of several parts on numbered robots: `study NAME [PART…] [--robots N] [--half tuning|locked]`.
 
 use crate::journal::commit;
-use crate::results::finish;
+use crate::results::keep;
 use crate::{asked, folder, print};
 use clap::{Parser, ValueEnum};
 use rayon::prelude::*;
@@ -71,5 +71,5 @@ pub fn run(
         print(&text);
         all += &(text + "\n");
     }
-    finish(study, &folder(study)?.join("table.txt"), &all)
+    keep(study, &folder(study)?.join("table.txt"), &all)
 }

@@ -33,6 +33,11 @@ impl Kept {
 /// Ends a run: the text is printed, written to a file beside its records, and becomes its section of the results.
 pub fn finish(study: &str, file: &Path, text: &str) -> Result<(), Box<dyn Error>> {
     print(text);
+    keep(study, file, text)
+}
+
+/// The same of a text that was printed as it was made.
+pub fn keep(study: &str, file: &Path, text: &str) -> Result<(), Box<dyn Error>> {
     fs::write(file, text)?;
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../results/{study}.md"));
     let page = fs::read_to_string(&path).unwrap_or_else(|_| {
