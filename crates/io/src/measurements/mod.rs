@@ -35,12 +35,16 @@ mod row;
 mod sample;
 mod sampled;
 mod scalars;
+#[cfg(feature = "xlsx")]
+mod sheet;
 mod source;
 mod spelled_units;
 mod suspicious;
 mod taken;
 mod texts;
 mod together;
+#[cfg(feature = "xlsx")]
+mod unpacked;
 mod visits;
 mod whole;
 mod workbook;

@@ -15,11 +15,13 @@ use ::parquet::data_type::{ByteArray, DataType};
 use ::parquet::errors::ParquetError;
 use ::parquet::file::reader::{FileReader, SerializedFileReader};
 use ::parquet::schema::types::ColumnDescriptor;
-use pages::{Bounded, Pages, lies_in};
+use pages::{Bounded, Pages, largest_page, lies_in};
 use std::fs::File;
 use std::io::Read;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Rows that are in memory at once.
 const BATCH: usize = 4096;
@@ -113,7 +115,8 @@ impl ParquetRows {
     pub fn open(path: &Path) -> Result<Self, IoError> {
         let source = File::open(path).map_err(|error| IoError::read(path, error))?;
         let bytes = source.metadata().map_or(0, |metadata| metadata.len());
-        let source = Bounded { file: source, size: bytes };
+        let page = Arc::new(AtomicU64::new(u64::MAX));
+        let source = Bounded { file: source, size: bytes, page: page.clone() };
         let reader = caught(|| SerializedFileReader::new(source)).map_err(|error| wrong(path, &error))?;
         let mut chunks = reader.metadata().row_groups().iter().flat_map(|group| group.columns());
         if let Some(column) = chunks.find(|column| !lies_in(column, bytes)) {
@@ -125,6 +128,7 @@ impl ParquetRows {
         }
         let metadata = reader.metadata().file_metadata();
         let described = metadata.schema_descr().columns().to_vec();
+        page.store(largest_page(described.len()), Ordering::Relaxed);
         for (k, column) in described.iter().enumerate() {
             if let Some(message) = refused(column) {
                 return Err(IoError::Cell {

@@ -1,8 +1,12 @@
 //! A sheet of an Excel workbook as lines of text, for the readers of text. Needs the feature `xlsx`.
 //!
 //! A row of the sheet is a line of the same number. Of several sheets, the one is read in which a row has the most names that the robot's table knows.
+//! Cells are collected one by one, never as a rectangle: what a far cell spans is bounded before it is allocated ([`super::unpacked`]: what the
+//! archive unpacks to).
 
 use super::names::Names;
+#[cfg(feature = "xlsx")]
+use super::sheet::Sheet;
 use crate::IoError;
 use std::path::Path;
 
@@ -25,50 +29,37 @@ pub(super) fn lines(
     bytes: Vec<u8>,
     names: &Names<'_>,
 ) -> Result<(Vec<u8>, Vec<String>), IoError> {
-    use calamine::{Reader, Xlsx, open_workbook_from_rs};
-    let wrong = |error: calamine::XlsxError| {
+    use calamine::{Reader, Xlsx, XlsxError, open_workbook_from_rs};
+    let wrong = |error: XlsxError| {
         IoError::file(path, format!("is no workbook that can be read ({error}); save the sheet as CSV"))
     };
+    let refused = |words: String| IoError::file(path, words);
+    super::unpacked::bounded(&bytes).map_err(refused)?;
     let mut book: Xlsx<_> = open_workbook_from_rs(std::io::Cursor::new(bytes)).map_err(wrong)?;
     let sheets = book.sheet_names();
     let mut best: Option<(usize, &str, String)> = None;
-    for sheet in &sheets {
-        let range = book.worksheet_range(sheet).map_err(wrong)?;
-        let above = range.start().map_or(0, |(row, _)| row as usize);
-        let mut text = "\n".repeat(above);
-        let mut most = 0;
-        for row in range.rows() {
-            let cells: Vec<String> = row.iter().map(cell).collect();
-            most = most.max(cells.iter().filter(|cell| !cell.is_empty() && names.knows(cell)).count());
-            put(&mut text, &cells);
+    for name in &sheets {
+        let mut sheet = Sheet::default();
+        match book.worksheet_cells_reader(name) {
+            Ok(mut cells) => {
+                while let Some(of) = cells.next_cell().map_err(wrong)? {
+                    let text = cell(&of.get_value().clone().into());
+                    sheet.add(of.get_position(), &text).map_err(refused)?;
+                }
+            }
+            // A sheet of charts has no cells.
+            Err(XlsxError::NotAWorksheet(_)) => {}
+            Err(error) => return Err(wrong(error)),
         }
+        let most = sheet.known(|cell| names.knows(cell));
+        let text = sheet.text().map_err(refused)?;
         if best.as_ref().is_none_or(|(known, ..)| most > *known) {
-            best = Some((most, sheet, text));
+            best = Some((most, name, text));
         }
     }
     let (_, sheet, text) = best.ok_or_else(|| IoError::file(path, "is a workbook without a sheet"))?;
     let remark = (sheets.len() > 1).then(|| format!("read from the sheet `{sheet}`"));
     Ok((text.into_bytes(), remark.into_iter().collect()))
-}
-
-/// A row as a line; an empty one as an empty line.
-#[cfg(feature = "xlsx")]
-fn put(text: &mut String, cells: &[String]) {
-    if cells.iter().any(|cell| !cell.is_empty()) {
-        for (k, cell) in cells.iter().enumerate() {
-            if k > 0 {
-                text.push(',');
-            }
-            if cell.contains([',', '"']) {
-                text.push('"');
-                text.push_str(&cell.replace('"', "\"\""));
-                text.push('"');
-            } else {
-                text.push_str(cell);
-            }
-        }
-    }
-    text.push('\n');
 }
 
 /// A cell as text: numbers with all their digits, dates as in ISO 8601.

@@ -4,6 +4,8 @@
 
 mod dialects;
 mod dwell;
+#[cfg(feature = "xlsx")]
+mod hostile_workbooks;
 mod logs;
 mod never_panics;
 #[cfg(feature = "parquet")]

@@ -1,5 +1,5 @@
-//! The offsets and lengths that the library uses are checked against the file here, so that one that was cut or altered is refused: bytes beyond its end, and pages whose
-//! dictionary is missing.
+//! The offsets and lengths that the library uses are checked against the file here, so that one that was cut or altered is refused: bytes beyond its end, pages whose
+//! dictionary is missing, and pages that unpack to more than a table may take, before anything is allocated for them.
 
 use ::parquet::basic::Encoding;
 use ::parquet::column::page::{Page, PageMetadata, PageReader};
@@ -8,12 +8,47 @@ use ::parquet::file::metadata::ColumnChunkMetaData;
 use ::parquet::file::reader::{ChunkReader, Length};
 use bytes::Bytes;
 use std::fs::File;
-use std::io::{BufReader, ErrorKind, Read, Seek, SeekFrom};
+use std::io::{BufRead, BufReader, ErrorKind, Read, Seek, SeekFrom};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 /// A file that is never read beyond its end.
 pub(super) struct Bounded {
     pub file: File,
     pub size: u64,
+    /// Bytes that a page unpacks to at most.
+    pub page: Arc<AtomicU64>,
+}
+
+/// Of all pages that are in memory at once.
+const MOST: u64 = 512 << 20;
+
+/// Of a page, however many columns there are: writers make them of a megabyte or so.
+const LEAST: u64 = 4 << 20;
+
+/// What a page may unpack to where so many columns are read side by side.
+pub(super) fn largest_page(columns: usize) -> u64 {
+    (MOST / columns.max(1) as u64).max(LEAST)
+}
+
+/// The unpacked size that the header of a page declares, where these bytes begin one: a compact structure of its type, this size and the packed
+/// one, which are numbered one to three.
+fn unpacked_size(bytes: &[u8]) -> Option<i64> {
+    let mut rest = bytes;
+    let mut number = || {
+        let (&[0x15], behind) = rest.split_first_chunk::<1>()? else { return None };
+        let mut value = 0u64;
+        for (k, byte) in behind.iter().take(10).enumerate() {
+            value |= u64::from(byte & 0x7f).checked_shl(7 * k as u32)?;
+            if byte & 0x80 == 0 {
+                rest = &behind[k + 1..];
+                return Some((value >> 1).cast_signed() ^ -(value & 1).cast_signed());
+            }
+        }
+        None
+    };
+    let (_, unpacked, _) = (number()?, number()?, number()?);
+    Some(unpacked)
 }
 
 /// The file from somewhere on; its end is an error.
@@ -40,7 +75,14 @@ impl ChunkReader for Bounded {
     fn get_read(&self, start: u64) -> Result<Self::T> {
         let mut file = self.file.try_clone()?;
         file.seek(SeekFrom::Start(start))?;
-        Ok(BufReader::new(Onwards(file)))
+        let mut read = BufReader::new(Onwards(file));
+        let size = read.fill_buf().ok().and_then(unpacked_size).unwrap_or(0);
+        let most = self.page.load(Ordering::Relaxed);
+        if u64::try_from(size).is_ok_and(|size| size > most) {
+            let most = most >> 20;
+            return Err(ParquetError::General(format!("a page unpacks to more than {most} MiB")));
+        }
+        Ok(read)
     }
 
     fn get_bytes(&self, start: u64, length: usize) -> Result<Bytes> {
@@ -131,4 +173,19 @@ impl PageReader for Pages {
 fn asks(page: &Page) -> bool {
     !matches!(page, Page::DictionaryPage { .. })
         && matches!(page.encoding(), Encoding::RLE_DICTIONARY | Encoding::PLAIN_DICTIONARY)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_size_of_a_page_is_read_from_its_header() {
+        // Type 0, 2^31 - 1 bytes unpacked, 5 packed.
+        let header = [0x15, 0x00, 0x15, 0xfe, 0xff, 0xff, 0xff, 0x0f, 0x15, 0x0a, 0x2c];
+        assert_eq!(unpacked_size(&header), Some(i64::from(i32::MAX)));
+        assert_eq!(unpacked_size(&header[..6]), None);
+        assert_eq!(unpacked_size(b"PAR1"), None);
+        assert_eq!((largest_page(1), largest_page(1000)), (512 << 20, 4 << 20));
+    }
 }
