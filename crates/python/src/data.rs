@@ -83,7 +83,7 @@ pub fn reading(
             })
         })
         .transpose()?;
-    let own = ColumnMap { names: columns, ignore, orientation, ..ColumnMap::default() };
+    let own = ColumnMap { names: columns, ignore, orientation, ..ColumnMap::default() }.asked();
     Ok(MeasurementsOptions {
         measured_required: measured,
         columns: robot.columns.clone().with(&own),

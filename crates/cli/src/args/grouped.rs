@@ -49,6 +49,7 @@ impl NamedColumns {
             orientation: self.orientation,
             ..ColumnMap::default()
         }
+        .asked()
         .with(&ColumnMap::default())
     }
 

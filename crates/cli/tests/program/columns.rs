@@ -62,7 +62,7 @@ fn a_map_of_ones_own_wins_and_has_to_be_met() {
     let mut wrong = plain.to_vec();
     wrong.extend(["--map", "j1=Achse 9"]);
     let said = folder.run(&wrong).ended(2).log;
-    assert!(said.contains("joint `j1` has no column"), "{said}");
+    assert!(said.contains("`j1` is mapped to the column `Achse 9`, which is not in this file"), "{said}");
 }
 
 #[test]

@@ -104,7 +104,10 @@ impl Header {
             return Err(IoError::line(file, line, message));
         }
         let headers: Vec<&str> = names.iter().map(AsRef::as_ref).collect();
-        for message in resolver.unmatched(&headers, needs.measured) {
+        for (mistake, message) in resolver.unmatched(&headers, needs.measured) {
+            if mistake {
+                return Err(IoError::line(file, line, message));
+            }
             warnings.push(Warning { file: file.into(), line: Some(line), column: None, message });
         }
         let (own, said) = applied(&headers, sample, resolver);

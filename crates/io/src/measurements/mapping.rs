@@ -16,6 +16,8 @@ pub struct ColumnMap {
     pub usual_names: Vec<(String, String)>,
     /// As `ignore`, of other files of the same robot.
     pub usual_ignore: Vec<String>,
+    /// Columns of `names` and `ignore` that have to be in the file, because an option names them; that others are missing is a warning.
+    pub asked: Vec<String>,
     /// How three angles (or four numbers) describe an orientation; none: quaternions and rotation vectors.
     pub orientation: Option<OrientationConvention>,
 }
@@ -29,10 +31,18 @@ impl ColumnMap {
         self.ignore.extend(other.ignore.iter().cloned());
         self.usual_names.extend(other.usual_names.iter().cloned());
         self.usual_ignore.extend(other.usual_ignore.iter().cloned());
+        self.asked.extend(other.asked.iter().cloned());
         self.exclude.extend(&other.exclude);
         self.exclude.sort_unstable();
         self.exclude.dedup();
         self.orientation = other.orientation.or(self.orientation);
+        self
+    }
+
+    /// This map, of which every column has to be in the file.
+    #[must_use]
+    pub fn asked(mut self) -> ColumnMap {
+        self.asked = self.names.iter().map(|(_, column)| column).chain(&self.ignore).cloned().collect();
         self
     }
 
@@ -42,6 +52,7 @@ impl ColumnMap {
         self.usual_names.retain(|(name, _)| self.names.iter().all(|(own, _)| own != name));
         self.usual_names.append(&mut self.names);
         self.usual_ignore.append(&mut self.ignore);
+        self.asked.clear();
         self.exclude.clear();
         self
     }

@@ -13,6 +13,7 @@ mod constants;
 mod copies;
 mod coupled;
 mod dialect;
+mod excluded;
 pub(crate) mod header;
 mod header_words;
 mod info;

@@ -63,10 +63,12 @@ impl Names<'_> {
         Named::Header(Cow::Borrowed(header))
     }
 
-    /// Entries of the map that match no header of the file, in words; a column that the file has under our own name needs no entry, and
-    /// measured columns are missing where nothing has to be measured.
-    pub fn unmatched(&self, headers: &[&str], measured: bool) -> Vec<String> {
+    /// Entries of the map that match no header of the file, in words, and whether that is a mistake: of an option, not of a robot file that
+    /// serves for several tables. A column that the file has under our own name needs no entry of a robot file, and measured columns are
+    /// missing where nothing has to be measured.
+    pub fn unmatched(&self, headers: &[&str], measured: bool) -> Vec<(bool, String)> {
         let has = |word: &str| headers.iter().any(|header| same(header, word));
+        let asked = |column: &String| self.map.asked.contains(column);
         let optional = |name: &str| {
             let role = self.role(name);
             !measured
@@ -75,18 +77,20 @@ impl Names<'_> {
                     Some(Role::Position(_) | Role::Quaternion(_) | Role::RotationVector(_) | Role::Angle(_))
                 )
         };
-        let mapped =
-            self.map.names.iter().filter(|(ours, theirs)| !has(theirs) && !has(ours) && !optional(ours));
-        let mapped = mapped.filter(|(ours, theirs)| constants::length((ours, theirs)).is_none());
-        let mapped = mapped.map(|(ours, theirs)| {
-            format!("`{ours}` is mapped to the column `{theirs}`, which is not in this file")
+        let mapped = self.map.names.iter().filter(|(ours, theirs)| {
+            !has(theirs)
+                && (asked(theirs) || !has(ours))
+                && !optional(ours)
+                && constants::length((ours, theirs)).is_none()
         });
-        let ignored = self.map.ignore.iter().filter(|word| !has(word));
-        mapped
-            .chain(
-                ignored.map(|word| format!("the column `{word}` is to be left out, and is not in this file")),
-            )
-            .collect()
+        let mapped = mapped.map(|(ours, theirs)| {
+            let words = format!("`{ours}` is mapped to the column `{theirs}`, which is not in this file");
+            (asked(theirs), words)
+        });
+        let ignored = self.map.ignore.iter().filter(|word| !has(word)).map(|word| {
+            (asked(word), format!("the column `{word}` is to be left out, and is not in this file"))
+        });
+        mapped.chain(ignored).collect()
     }
 
     /// The meaning of a name, channels apart.

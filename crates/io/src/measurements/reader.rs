@@ -209,6 +209,7 @@ impl MeasurementsReader {
         if self.count == 0 {
             return Err(self.no_rows());
         }
+        self.rows.exclude.all_met(self.source.file())?;
         Ok(block.len())
     }
 

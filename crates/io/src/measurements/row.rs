@@ -4,6 +4,7 @@ use super::cells::{cell, number, plain_number};
 use super::clock;
 use super::columns::{Cells, Column, Role, columns_of, joint_names};
 use super::coupled;
+use super::excluded::Excluded;
 use super::header::Header;
 use super::info::Seen;
 use super::lost::Lost;
@@ -44,7 +45,7 @@ pub(crate) struct RowReader {
     /// Rows that an instrument marks as not measured.
     pub lost: Lost,
     /// Lines that are left out, ascending.
-    exclude: Vec<u64>,
+    pub(super) exclude: Excluded,
     /// The robot, where its joints are coupled: columns hold the controller's values.
     coupled: Option<Box<Chain>>,
     /// Whether the last error was about a row, and not about the file.
@@ -108,7 +109,7 @@ impl RowReader {
             seen: vec![Seen::default(); header.columns.len()],
             beyond: vec![None; joint_names(chain).count()],
             lost: Lost::new(chain),
-            exclude,
+            exclude: Excluded::new(exclude),
             coupled: chain.has_other_values().then(|| Box::new(chain.clone())),
             failed: false,
             problems: Vec::new(),
@@ -130,7 +131,7 @@ impl RowReader {
     /// Begins a row; whether it is read.
     pub(super) fn begin(&mut self, line: u64) -> bool {
         self.row = Row { line, ..Row::default() };
-        self.row.skipped = !self.exclude.is_empty() && self.exclude.binary_search(&line).is_ok();
+        self.row.skipped = self.exclude.has(line);
         !self.row.skipped
     }
 
