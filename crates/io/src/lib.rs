@@ -9,6 +9,7 @@ mod export_kinds;
 mod fit;
 mod frame_names;
 mod history;
+mod lock;
 mod map;
 mod measurements;
 mod model;
@@ -33,6 +34,7 @@ pub use error::{IoError, Warning};
 pub use export::{ExportUnits, write_measurements, write_observations};
 pub use fit::{FIT_FORMAT, fit_json, parse_fit, read_fit, write_fit};
 pub use history::{LookRecord, MonitorHistory};
+pub use lock::{FileLock, Occupied};
 pub use map::{MapRow, map_file, write_map};
 pub use measurements::{
     ColumnInfo, ColumnMap, CsvInfo, Grouping, MeasurementsOptions, MeasurementsReader, MemoryColumn,

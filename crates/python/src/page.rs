@@ -3,7 +3,7 @@
 use crate::error::{input, of_io};
 use pyo3::prelude::*;
 use std::path::Path;
-use truepose_io::{WholeFiles, check_writable, make_folder, sha256};
+use truepose_io::{FileLock, Occupied, WholeFiles, check_writable, make_folder, sha256};
 use truepose_report::{FileRecord, Report, RunRecord};
 
 /// The program with its version, as reports and fits name it.
@@ -23,6 +23,8 @@ pub fn write(
     page: impl FnOnce(&RunRecord) -> PyResult<Report>,
 ) -> PyResult<()> {
     make_folder(folder).map_err(of_io)?;
+    // Another program that writes there is waited for: no page is of two runs.
+    let _locked = FileLock::of(folder, Occupied::Wait).map_err(of_io)?;
     for file in [result, "index.html", "summary.html", "run.json"] {
         check_writable(folder.join(file)).map_err(of_io)?;
     }
