@@ -54,6 +54,18 @@ pub fn fleet(fits: &[FittedModel]) -> Result<Fleet, UpkeepError> {
             });
         }
     }
+    // The same fit twice is one robot: its scatter would count for less than it is.
+    for (k, fit) in fits.iter().enumerate() {
+        let same = |other: &FittedModel| {
+            !fit.coefficients().is_empty()
+                && other.coefficients() == fit.coefficients()
+                && other.covariance() == fit.covariance()
+        };
+        if let Some(other) = fits[..k].iter().position(same) {
+            let why = format!("fits {} and {} are the same fit; each robot counts once", other + 1, k + 1);
+            return Err(UpkeepError::Fleet { why });
+        }
+    }
     let p = fits[0].coefficients().len();
     let column = |fit: &FittedModel| DVector::from_column_slice(fit.coefficients());
     let mean = fits.iter().map(column).sum::<DVector<f64>>() / n as f64;

@@ -187,6 +187,10 @@ impl Weighing {
 pub(crate) fn root(covariance: &DMatrix<f64>) -> DMatrix<f64> {
     let deviation: Vec<f64> = covariance.diagonal().iter().map(|v| v.max(0.0).sqrt()).collect();
     let open: Vec<usize> = (0..deviation.len()).filter(|&k| deviation[k] > 0.0).collect();
+    // Of a model that nothing moves: no coefficient has a standard deviation, and an empty matrix has no eigenvectors.
+    if open.is_empty() {
+        return DMatrix::zeros(deviation.len(), 0);
+    }
     let scaled = DMatrix::from_fn(open.len(), open.len(), |i, j| {
         covariance[(open[i], open[j])] / (deviation[open[i]] * deviation[open[j]])
     });
@@ -215,5 +219,11 @@ mod tests {
         let root = root(&covariance);
         assert_eq!(root.ncols(), 3);
         assert!((&root * root.transpose() - &covariance).amax() < 1e-12 * covariance.amax());
+    }
+
+    #[test]
+    fn coefficients_without_a_scatter_have_an_empty_root() {
+        assert_eq!(root(&DMatrix::zeros(3, 3)).shape(), (3, 0));
+        assert_eq!(root(&DMatrix::zeros(0, 0)).shape(), (0, 0));
     }
 }

@@ -105,6 +105,9 @@ fn stacked(axes: &[DMatrix<f64>; 3]) -> DMatrix<f64> {
 
 /// S of a positive semidefinite matrix with S Sᵀ = it.
 fn root(matrix: &DMatrix<f64>) -> DMatrix<f64> {
+    if matrix.is_empty() {
+        return matrix.clone();
+    }
     let SymmetricEigen { mut eigenvectors, eigenvalues } = SymmetricEigen::new(matrix.clone());
     for (mut vector, value) in eigenvectors.column_iter_mut().zip(eigenvalues.iter()) {
         vector *= value.max(0.0).sqrt();

@@ -233,6 +233,9 @@ impl Posture {
     fn new(members: Range<usize>, moved: DMatrix<f64>) -> Option<Self> {
         /// λ of a direction, of the largest, below which it is rounding.
         const ROUNDING: f64 = 1e-12;
+        if moved.ncols() == 0 {
+            return None;
+        }
         let eigen = SymmetricEigen::new(moved.tr_mul(&moved));
         let least = ROUNDING * eigen.eigenvalues.amax();
         let kept: Vec<usize> =

@@ -256,6 +256,10 @@ pub(super) fn figures(
 ) -> ((f64, f64), [(f64, f64); 5]) {
     let left = (inverse(&information) * goal).trace();
     let accuracy = ((goal.trace() / count).sqrt(), (left.max(0.0) / count).sqrt());
+    // Nothing is open that a visit could show.
+    if information.is_empty() {
+        return (accuracy, [(1.0, 1.0); 5]);
+    }
     let values: Vec<f64> =
         information.symmetric_eigen().eigenvalues.iter().map(|v| v.max(0.0).sqrt()).collect();
     let (first, last) =

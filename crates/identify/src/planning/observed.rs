@@ -187,6 +187,9 @@ fn told(rows: &[DMatrix<f64>], taken: &mut dyn Iterator<Item = usize>, r: usize)
 fn untold(told: &DMatrix<f64>, goal: &DMatrix<f64>) -> f64 {
     /// What is told to rounding alone is not told.
     const ROUNDING: f64 = 1e-10;
+    if told.is_empty() {
+        return 0.0;
+    }
     let eigen = told.clone().symmetric_eigen();
     let least = ROUNDING * eigen.eigenvalues.amax();
     let directions = eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter());

@@ -137,6 +137,9 @@ impl ScoreTest {
 /// Inverse over the directions that the data shows, and how many they are.
 pub(super) fn pseudo_inverse(information: &DMatrix<f64>) -> Option<(DMatrix<f64>, usize)> {
     let n = information.ncols();
+    if n == 0 {
+        return None;
+    }
     let scale: Vec<f64> = (0..n)
         .map(|k| if information[(k, k)] > 0.0 { 1.0 / information[(k, k)].sqrt() } else { 0.0 })
         .collect();

@@ -179,6 +179,9 @@ impl<'a> Equivalent<'a> {
 
 /// Least squares by singular values.
 fn solve(a: DMatrix<f64>, b: &DVector<f64>) -> Option<DVector<f64>> {
+    if a.is_empty() {
+        return Some(DVector::zeros(a.ncols()));
+    }
     let svd = a.svd(true, true);
     let largest = svd.singular_values.iter().copied().fold(0.0, f64::max);
     svd.solve(b, 1e-9 * largest).ok().filter(|x| x.iter().all(|v| v.is_finite()))
