@@ -84,6 +84,31 @@ fn predicts(folder: &Folder, chain: &Chain, base: &Pose) {
     }
 }
 
+/// Where the base link is in the measurement frame, as the comment of a file has it.
+fn installed(urdf: &str) -> Pose {
+    let Some((_, at)) = urdf.split_once("the base link is in the measurement frame at xyz ") else {
+        return Pose::IDENTITY;
+    };
+    let numbers: Vec<f64> = at.split([' ', ',']).filter_map(|word| word.parse().ok()).take(6).collect();
+    Pose::from_xyz_rpy([numbers[0], numbers[1], numbers[2]], [numbers[3], numbers[4], numbers[5]])
+}
+
+#[test]
+fn the_installation_moves_neither_the_base_nor_the_flange_of_a_urdf() {
+    let folder = fitted(true);
+    let export = ["export", "--fit", "fit.json", "--format", "urdf", "--urdf", "arm.urdf", "--out", "n.urdf"];
+    folder.run(&export).ended(0);
+    let new = folder.read("n.urdf");
+    // The base is fitted away from the measurement frame, and the tool from the flange.
+    assert!(installed(&new) != Pose::IDENTITY && new.contains("truepose_tip"), "{new}");
+    let (chain, _) =
+        read_robot(folder.file("n.urdf"), &RobotOptions { tip: Some("tip".into()), ..Default::default() })
+            .unwrap();
+    let (nominal, _) = read_robot(folder.file("arm.urdf"), &RobotOptions::default()).unwrap();
+    let first = |chain: &Chain| chain.joints()[0].transform(0.0);
+    assert_eq!(first(&chain).translation, first(&nominal).translation);
+}
+
 #[test]
 fn a_corrected_urdf_predicts_as_the_fit_does() {
     for fixed in [true, false] {
@@ -95,7 +120,7 @@ fn a_corrected_urdf_predicts_as_the_fit_does() {
             "{said}"
         );
         let (chain, _) = read_robot(folder.file("new.urdf"), &RobotOptions::default()).unwrap();
-        predicts(&folder, &chain, &Pose::IDENTITY);
+        predicts(&folder, &chain, &installed(&folder.read("new.urdf")));
         // Line by line the same but for origins, the comment, and what was added at the end.
         let (old, new) = (folder.read("arm.urdf"), folder.read("new.urdf"));
         let rest = |text: &str| -> Vec<String> {
@@ -111,7 +136,7 @@ fn a_corrected_urdf_predicts_as_the_fit_does() {
         // Without the original, a URDF of its own.
         folder.run(&export).ended(0);
         let (chain, _) = read_robot(folder.file("new.urdf"), &RobotOptions::default()).unwrap();
-        predicts(&folder, &chain, &Pose::IDENTITY);
+        predicts(&folder, &chain, &installed(&folder.read("new.urdf")));
         // Another robot's URDF is refused, and nothing is written.
         folder.write("other.urdf", &old.replace("0.15 0 0", "0.16 0 0"));
         let refused = folder

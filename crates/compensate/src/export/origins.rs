@@ -1,17 +1,16 @@
 //! The fitted geometry as joint origins, in the robot's own base: what a URDF or a controller's kinematics file holds.
 //!
 //! ```text
-//! base link = B,   origin of joint 1 = E_0 pre_1,   origin of joint i+1 = post_i E_i pre_{i+1},   tool = post_n E_n tool E_tool
+//! base link = B E_0,   origin of joint 1 = pre_1,   origin of joint i+1 = post_i E_i pre_{i+1},   tool = post_n E_n tool E_tool
 //! ```
 //!
 //! | symbol | here | shape | unit | frame |
 //! | --- | --- | --- | --- | --- |
-//! | B | `base` | pose | m | measurement |
+//! | B E_0 | `base` | pose | m | measurement |
 //! | origin | `joints` | pose | m | of the joint in the frame of the one before, at q = 0 |
 //! | tool | `tool` | pose | m | of the tool in the last joint's frame |
 //!
-//! Where the base's place was not known beforehand, `E_0` is the installation of the robot and not an error of the arm: it then is in
-//! `base`.
+//! `E_0` is the installation of the robot and no error of the arm: it is in `base`, and never in a joint.
 
 use super::geometry::corrected_chain;
 use super::options::ExportOptions;
@@ -19,7 +18,7 @@ use super::remaining::Exported;
 use crate::CompensateError;
 use nalgebra::{Unit, Vector3};
 use truepose_errormodel::FittedModel;
-use truepose_kinematics::{Chain, FrameId, Joint, JointId, Link, Placed, Placement, Pose, Target};
+use truepose_kinematics::{Chain, Joint, Link, Placed, Placement, Pose, Target};
 
 /// A joint's origin, and its axis there.
 #[derive(Debug, Clone, PartialEq)]
@@ -84,25 +83,14 @@ pub fn joint_origins(
     options: &ExportOptions,
 ) -> Result<Exported<JointOrigins>, CompensateError> {
     let Exported { value: chain, left_out, remaining_error, comparison } = corrected_chain(fitted, options)?;
-    let declared = fitted.chain().base();
-    let (base, mut error) = if declared.known {
-        (declared.pose, declared.pose.inverse() * chain.base().pose)
-    } else {
-        (chain.base().pose, Pose::IDENTITY)
-    };
-    if fitted.chain().base().pose == chain.base().pose {
-        // No error of the base: the first origin stays what it is, to the last digit.
-        error = Pose::IDENTITY;
-    }
+    let base = chain.base().pose;
     let mut joints = Vec::with_capacity(chain.joints().len());
-    for (index, joint) in chain.joints().iter().enumerate() {
+    for joint in chain.joints() {
         let (pose, axis) = match joint.placement {
             Placement::Origin { pose, axis } => (pose, axis),
             // A corrected chain has origins alone.
             _ => (joint.transform(0.0), Vector3::z_axis()),
         };
-        let on_base = chain.before(JointId(index + 1)) == FrameId::BASE;
-        let pose = if on_base { error * pose } else { pose };
         joints.push(JointOrigin { name: joint.name.clone(), pose, axis, link: joint.link });
     }
     let targets = chain.targets().iter().map(|target| target.position).collect();

@@ -1,7 +1,7 @@
 //! A URDF with other joint origins: the numbers of the origins change, and not another byte of what was there.
 //!
-//! What is added is a comment behind `<robot …>`, an `<origin>` where a joint had none, and, where the tool has moved
-//! against a last joint that moves itself, a link behind it with a fixed joint, at the file's end.
+//! What is added is a comment behind `<robot …>`, an `<origin>` where a joint had none, and, where the tool has moved against the tip link,
+//! a link behind it with a fixed joint, at the file's end.
 
 use super::names::unprintable;
 use super::urdf_text::{Urdf, UrdfJoint};
@@ -24,7 +24,7 @@ pub struct UrdfCorrection {
     pub comment: Vec<String>,
 }
 
-/// The link that is added behind a last joint that moves.
+/// The link that is added behind the tip link.
 const ADDED_LINK: &str = "truepose_tip";
 const ADDED_JOINT: &str = "truepose_correction";
 
@@ -47,7 +47,6 @@ pub fn corrected_urdf(
         return Err(IoError::file(path.as_ref(), format!("{have} origins are given for {need} joints")));
     }
     let mut edits = vec![Edit { at: robot.opened..robot.opened, with: comment(&correction.comment) }];
-    let last = nominal.joints().len().saturating_sub(1);
     // Link behind each joint.
     let mut links: Vec<&str> = Vec::with_capacity(nominal.joints().len());
     for (index, (joint, corrected)) in nominal.joints().iter().zip(&correction.origins).enumerate() {
@@ -75,14 +74,10 @@ pub fn corrected_urdf(
                 "has another origin than in the fit's robot, by {off:.1e} m and {turned:.1e}: give the URDF that the fit was made from"
             )));
         }
-        let mut wanted = *corrected;
-        if index == last && !joint.moves() {
-            wanted = wanted * correction.behind;
-        }
-        edit_origin(found, &pose, &wanted, &mut edits);
+        edit_origin(found, &pose, corrected, &mut edits);
     }
-    let moves = nominal.joints().last().is_some_and(|joint| joint.moves());
-    if moves && correction.behind != Pose::IDENTITY {
+    // The tip link is the robot's own, and stays where it is: what is found of the tool is in a link of its own.
+    if correction.behind != Pose::IDENTITY {
         let link =
             robot.links.iter().find(|link| link.name == ADDED_LINK).map(|link| ("link", ADDED_LINK, link.at));
         let joint = robot.joints.iter().find(|joint| joint.name == ADDED_JOINT);
