@@ -11,7 +11,7 @@ mod meaning;
 mod nested;
 mod parts;
 mod sentences;
-mod text;
+pub(crate) mod text;
 mod verdict;
 
 pub use adequacy::{

@@ -12,6 +12,9 @@ const BAR: f64 = 34.0;
 /// Rejected candidates and untestable hypotheses that are listed.
 const LISTED: usize = 6;
 
+/// The line of a budget that leaves excluded rows out.
+pub(crate) const WITHOUT_EXCLUDED: &str = "without the excluded rows";
+
 impl fmt::Display for DiscoverySummary {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "{}", heading(&self.robot, self.rows, self.visits))?;
@@ -109,16 +112,20 @@ impl DiscoverySummary {
     }
 
     fn error_budget(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let mut lines = vec![("declared model".to_owned(), self.before.holdout_used().rms_mm)];
+        // Of all held-out rows, as the figures of the effects are; without the excluded ones in a line that says so.
+        let mut lines = vec![("declared model".to_owned(), self.before.holdout.rms_mm)];
         let effects: Vec<_> = self.effects.iter().filter(|e| e.family != Family::Outlier.word()).collect();
         let nested = self.held_out == HeldOut::NestedFolds;
         for (k, effect) in effects.iter().enumerate() {
             let last = k + 1 == effects.len() && !nested;
-            let after = if last { self.after.holdout_used().rms_mm } else { effect.holdout_rms_mm.after };
+            let after = if last { self.after.holdout.rms_mm } else { effect.holdout_rms_mm.after };
             lines.push((format!("+ {}", effect.name()), after));
         }
         if nested && !effects.is_empty() {
-            lines.push(("search in nested folds".to_owned(), self.after.holdout_used().rms_mm));
+            lines.push(("search in nested folds".to_owned(), self.after.holdout.rms_mm));
+        }
+        if let Some(without) = self.after.holdout_without_outliers {
+            lines.push((WITHOUT_EXCLUDED.to_owned(), without.rms_mm));
         }
         if let Some(limit) = self.noise_floor_mm {
             lines.push((self.noise_floor.name().to_owned(), limit));
@@ -164,14 +171,15 @@ impl FindingSummary {
             }
             return Ok(());
         }
-        writeln!(
-            f,
-            "   existence: p = {}, selected in {} % of half-samples, cross-validated {} → {} mm",
-            significant(self.p_value, 2),
-            significant(100.0 * self.stability, 3),
-            significant(self.cross_validated_rms_mm.before, 3),
-            significant(self.cross_validated_rms_mm.after, 3)
-        )?;
+        let existence = std::iter::once(format!("p = {}", significant(self.p_value, 2)));
+        let existence: Vec<String> = existence
+            .chain(
+                self.selection()
+                    .into_iter()
+                    .map(|words| words.replace("cross-validated RMS", "cross-validated")),
+            )
+            .collect();
+        writeln!(f, "   existence: {}", existence.join(", "))?;
         writeln!(f, "   name (probability): {}", self.names())?;
         if let Some(assumption) = self.assumption() {
             writeln!(f, "   {assumption}")?;

@@ -3,6 +3,7 @@
 use super::rows::{Rows, complement, merged};
 use super::sheet::SheetStage;
 use super::{Page, Report};
+use crate::discovery::text::WITHOUT_EXCLUDED;
 use crate::discovery::{DiscoverySummary, FindingSummary};
 use crate::figure::{Bar, escape, range, trace_figure, unit_text, waterfall};
 use crate::{RunRecord, SpecificationSummary, count, parameter_text, significant};
@@ -191,6 +192,9 @@ fn error_budget(page: &mut Page, summary: &DiscoverySummary) {
         "bar-after",
         mm(summary.after.holdout.rms_mm),
     ));
+    if let Some(without) = summary.after.holdout_without_outliers {
+        list.push(bar(WITHOUT_EXCLUDED, [0.0, without.rms_mm], "bar-after", mm(without.rms_mm)));
+    }
     let limit = summary.noise_floor_mm.map(|limit| (limit, format!("repeatability limit {}", mm(limit))));
     let title = format!("Error budget {}", summary.held_out_rows());
     let svg = waterfall(&title, &list, limit);
@@ -268,12 +272,9 @@ fn finding(page: &mut Page, number: usize, effect: &FindingSummary, found: &Diag
         page.raw("</details>");
     }
     page.text(&format!(
-        "Existence: p = {} (family-wise, rotation test); selected in {} % of half-samples; cross-validated RMS {} → {} mm; RMS on held-out \
-         rows {} → {} mm. Name (probability): {}.{}",
+        "Existence: p = {} (family-wise, rotation test){}; RMS on held-out rows {} → {} mm. Name (probability): {}.{}",
         significant(effect.p_value, 2),
-        significant(100.0 * effect.stability, 3),
-        significant(effect.cross_validated_rms_mm.before, 3),
-        significant(effect.cross_validated_rms_mm.after, 3),
+        effect.selection().iter().map(|words| format!("; {words}")).collect::<String>(),
         significant(effect.holdout_rms_mm.before, 3),
         significant(effect.holdout_rms_mm.after, 3),
         effect.names(),
