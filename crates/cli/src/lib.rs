@@ -11,6 +11,7 @@ mod space;
 mod terminal;
 mod typed;
 mod verbs;
+mod verdict;
 mod watch;
 
 pub use extensions::Extensions;
@@ -62,7 +63,7 @@ fn work(args: Args) -> Result<u8, Failure> {
     let space = granted(threads)?;
     rayon::ThreadPoolBuilder::new().num_threads(threads).build_global()?;
     let limits = Limits { time: args.time_limit, memory: args.memory_limit, space };
-    watched(limits, move |watch| verbs::run(&args.verb, watch))
+    watched(limits, move |watch| verbs::run(&args.verb, &args.files, watch))
 }
 
 /// As many threads as rayon takes by itself.

@@ -1,8 +1,8 @@
 //! Options of the verb that assesses a robot: iso9283.
 
-use super::Grouped;
-use super::values::{input, parse_length};
-use std::path::PathBuf;
+use super::files::{Input, OutputFolder};
+use super::values::parse_length;
+use super::{Accept, Grouped};
 use truepose_report::Limit;
 
 /// `truepose iso9283`
@@ -10,7 +10,7 @@ use truepose_report::Limit;
 pub struct Iso9283 {
     /// Robot description (.toml or .urdf) [default: the robot of the fit]
     #[arg(long, value_name = "FILE", required_unless_present = "fit")]
-    pub robot: Option<PathBuf>,
+    pub robot: Option<Input>,
     /// Base link of a URDF [default: its root]
     #[arg(long, value_name = "LINK")]
     pub base: Option<String>,
@@ -19,13 +19,15 @@ pub struct Iso9283 {
     pub tip: Option<String>,
     /// Measurements (CSV): each pose repeated, e.g. in the order of `truepose plan --for iso9283`. Optional columns: pose, cycle, direction,
     /// speed, and command_x, command_y, command_z (command_rx, command_ry, command_rz) in the base frame
-    #[arg(long, value_name = "FILE", value_parser = input())]
-    pub data: PathBuf,
+    #[arg(long, value_name = "FILE")]
+    pub data: Input,
     #[command(flatten)]
     pub grouped: Grouped,
     /// A fit: the same figures with the displacement that its model predicts taken off
-    #[arg(long, value_name = "FILE", value_parser = input(), conflicts_with_all = ["robot", "base", "tip"])]
-    pub fit: Option<PathBuf>,
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["robot", "base", "tip"])]
+    pub fit: Option<Input>,
+    #[command(flatten)]
+    pub accept: Accept,
     /// Which of its sessions the robot is in, of a fit that knows several
     #[arg(long, value_name = "NAME", requires = "fit")]
     pub session: Option<String>,
@@ -45,10 +47,10 @@ pub struct Iso9283 {
     pub spec: Vec<Limit>,
     /// Folder for the report: `index.html`, its figures, `acceptance.json` and `run.json`
     #[arg(long, value_name = "DIR")]
-    pub report: Option<PathBuf>,
+    pub report: Option<OutputFolder>,
     /// File with the head of the report, [certificate] (TOML) [default: the robot file]
-    #[arg(long, value_name = "FILE", value_parser = input(), requires = "report")]
-    pub certificate: Option<PathBuf>,
+    #[arg(long, value_name = "FILE", requires = "report")]
+    pub certificate: Option<Input>,
     /// Print JSON instead of text
     #[arg(long)]
     pub json: bool,

@@ -1,37 +1,37 @@
 //! Options of the verbs that use a fit: plan, predict, compensate, export, map.
 
+use super::files::{Input, Output, OutputFolder};
 use super::program::{GivenPlace, RobotProgram, parse_given};
-use super::values::{Units, input, parse_length, parse_position, parse_three, parse_units, parse_whole};
+use super::values::{Units, parse_length, parse_position, parse_three, parse_units, parse_whole};
 use super::{Grouped, NamedColumns};
-use std::path::PathBuf;
 
 /// `truepose plan`
 #[derive(Debug, clap::Args)]
 pub struct Plan {
     /// A fit, as `identify` or `discover` writes it
-    #[arg(long, value_name = "FILE", value_parser = input(), required_unless_present_any = ["robot", "model"])]
-    pub fit: Option<PathBuf>,
+    #[arg(long, value_name = "FILE", required_unless_present_any = ["robot", "model"])]
+    pub fit: Option<Input>,
     /// Which of its sessions the robot is in, of a fit that knows several
     #[arg(long, value_name = "NAME")]
     pub session: Option<String>,
     /// Plan rows at the landmarks and sensors of this robot file: sockets, balls, plates, wires, gauges, cameras
-    #[arg(long, value_name = "FILE", value_parser = input(), conflicts_with_all = ["test", "rival", "report"])]
-    pub observe: Option<PathBuf>,
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["test", "rival", "report"])]
+    pub observe: Option<Input>,
     /// Measurements (CSV) among whose pose measurements is chosen; what they measured does not count [default: postures within the joints' ranges]
-    #[arg(long, value_name = "FILE", value_parser = input(), requires = "observe")]
-    pub among: Option<PathBuf>,
+    #[arg(long, value_name = "FILE", requires = "observe")]
+    pub among: Option<Input>,
     /// Target that touches or is seen [default: the first; the tool's origin when there is none]
     #[arg(long, value_name = "NAME", requires = "observe", conflicts_with = "among")]
     pub target: Option<String>,
     /// Declared effects (TOML), where nothing has been fitted yet: their prior standard deviations stand for what is not known
-    #[arg(long, value_name = "FILE", value_parser = input(), requires = "observe", conflicts_with = "fit")]
-    pub model: Option<PathBuf>,
+    #[arg(long, value_name = "FILE", requires = "observe", conflicts_with = "fit")]
+    pub model: Option<Input>,
     /// Plan a test instead: iso9283, the cube, the five poses and the cycles of ISO 9283; monitor, the poses of the fit that show changes best (12, or --count); or transfer, those from which a new installation is found best (8, or --count)
     #[arg(long = "for", value_enum, value_name = "TEST", hide_possible_values = true, conflicts_with_all = ["rival", "at", "report"])]
     pub test: Option<PlannedTest>,
     /// Robot of the test (.toml or .urdf), in place of a fit
     #[arg(long, value_name = "FILE", requires = "test", conflicts_with = "fit")]
-    pub robot: Option<PathBuf>,
+    pub robot: Option<Input>,
     /// Base link of a URDF [default: its root]
     #[arg(long, value_name = "LINK", requires = "robot")]
     pub base: Option<String>,
@@ -51,22 +51,22 @@ pub struct Plan {
     #[arg(long, default_value_t = 30, value_parser = clap::value_parser!(u16).range(2..=10_000))]
     pub cycles: u16,
     /// Fit of a competing hypothesis: plan the pose measurements that distinguish the two
-    #[arg(long, value_name = "FILE", value_parser = input(), alias = "discriminate")]
-    pub rival: Option<PathBuf>,
+    #[arg(long, value_name = "FILE", alias = "discriminate")]
+    pub rival: Option<Input>,
     /// Joints, loads and channels (CSV) where accuracy matters [default: spread over the joints' ranges]
-    #[arg(long, value_name = "FILE", value_parser = input())]
-    pub at: Option<PathBuf>,
+    #[arg(long, value_name = "FILE")]
+    pub at: Option<Input>,
     #[command(flatten)]
     pub grouped: Grouped,
     /// Where to write the plan (CSV, with the columns of measurements)
     #[arg(long, value_name = "FILE")]
-    pub out: PathBuf,
+    pub out: Output,
     /// Folder for the report: `index.html`, its figures, `plan.json` and `run.json`
     #[arg(long, value_name = "DIR")]
-    pub report: Option<PathBuf>,
+    pub report: Option<OutputFolder>,
     /// File with the head of the report, [certificate] (TOML)
-    #[arg(long, value_name = "FILE", value_parser = input(), requires = "report")]
-    pub certificate: Option<PathBuf>,
+    #[arg(long, value_name = "FILE", requires = "report")]
+    pub certificate: Option<Input>,
     /// Units of the joints in --out, e.g. deg or deg,mm [default: rad,m]
     #[arg(long, value_name = "UNITS", value_parser = parse_units)]
     pub units: Option<Units>,
@@ -107,29 +107,39 @@ pub enum PlannedTest {
     Transfer,
 }
 
+/// Whether the user insists.
+#[derive(Debug, Default, clap::Args)]
+pub struct Accept {
+    /// Use a fit that its own run found not to fit; the output says so
+    #[arg(long, requires = "fit")]
+    pub accept: bool,
+}
+
 /// `truepose predict`
 #[derive(Debug, clap::Args)]
 pub struct Predict {
     /// A fit, as `identify` writes it
-    #[arg(long, value_name = "FILE", value_parser = input())]
-    pub fit: PathBuf,
+    #[arg(long, value_name = "FILE")]
+    pub fit: Input,
+    #[command(flatten)]
+    pub accept: Accept,
     /// Which of its sessions the robot is in, of a fit that knows several
     #[arg(long, value_name = "NAME")]
     pub session: Option<String>,
     /// Joints, loads and channels (CSV); measured columns may be empty or absent
-    #[arg(long, value_name = "FILE", value_parser = input())]
-    pub data: PathBuf,
+    #[arg(long, value_name = "FILE")]
+    pub data: Input,
     #[command(flatten)]
     pub grouped: Grouped,
     /// Where to write the predictions
     #[arg(long, value_name = "FILE")]
-    pub out: PathBuf,
+    pub out: Output,
     /// Folder for the report: `index.html`, its figures, `prediction.json` and `run.json`
     #[arg(long, value_name = "DIR")]
-    pub report: Option<PathBuf>,
+    pub report: Option<OutputFolder>,
     /// File with the head of the report, [certificate] (TOML)
-    #[arg(long, value_name = "FILE", value_parser = input(), requires = "report")]
-    pub certificate: Option<PathBuf>,
+    #[arg(long, value_name = "FILE", requires = "report")]
+    pub certificate: Option<Input>,
     /// Print JSON instead of text
     #[arg(long)]
     pub json: bool,
@@ -139,22 +149,24 @@ pub struct Predict {
 #[derive(Debug, clap::Args)]
 pub struct Compensate {
     /// A fit, as `identify` writes it
-    #[arg(long, value_name = "FILE", value_parser = input())]
-    pub fit: PathBuf,
+    #[arg(long, value_name = "FILE")]
+    pub fit: Input,
+    #[command(flatten)]
+    pub accept: Accept,
     /// Which of its sessions the robot is in, of a fit that knows several
     #[arg(long, value_name = "NAME")]
     pub session: Option<String>,
     /// Desired poses (CSV): x y z, optional orientation, target, load, channels, time, approach; joint columns are the start of the search
-    #[arg(long, value_name = "FILE", value_parser = input(), required_unless_present_any = ["joints", "program"])]
-    pub poses: Option<PathBuf>,
+    #[arg(long, value_name = "FILE", required_unless_present_any = ["joints", "program"])]
+    pub poses: Option<Input>,
     /// Other tool of the robot in whose axes the poses are, where it really is: one hand is brought to the other, whose joints stay where the joint columns have them
     #[arg(long, value_name = "TOOL", requires = "poses", conflicts_with_all = ["frame", "tcp", "cartesian", "report"])]
     pub relative_to: Option<String>,
     #[command(flatten)]
     pub named: NamedColumns,
     /// Joint values of a programme for the nominal robot (CSV), instead of poses: each is replaced by the joints that bring the real flange there
-    #[arg(long, value_name = "FILE", value_parser = input(), conflicts_with_all = ["poses", "tcp"])]
-    pub joints: Option<PathBuf>,
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["poses", "tcp"])]
+    pub joints: Option<Input>,
     /// Frame of the poses: base, measurement, the name of a frame, or x,y,z,roll,pitch,yaw in the base, e.g. 900mm,0mm,50mm,0,0,90
     /// (degrees) [default: measurement]. Of a program: the value of a frame by its name, e.g. UF1=900mm,0mm,50mm,0,0,90, repeated for
     /// each; without a name that of points whose frame is not known [default: the robot's base]
@@ -165,8 +177,8 @@ pub struct Compensate {
     #[arg(long, visible_alias = "tool-frame", value_name = "FRAME", value_parser = parse_given, allow_hyphen_values = true)]
     pub tcp: Vec<GivenPlace>,
     /// File with [[frames]] (TOML) [default: those of the fit's robot file]
-    #[arg(long, value_name = "FILE", value_parser = input())]
-    pub frames: Option<PathBuf>,
+    #[arg(long, value_name = "FILE")]
+    pub frames: Option<Input>,
     /// Also write the corrected pose that a controller without the model has to be given, in the frame of the poses
     #[arg(long)]
     pub cartesian: bool,
@@ -177,13 +189,13 @@ pub struct Compensate {
     pub robot_program: RobotProgram,
     /// Where to write the commands, or the program; the table of its corrections is written beside it (FILE.corrections.csv)
     #[arg(long, value_name = "FILE")]
-    pub out: PathBuf,
+    pub out: Output,
     /// Folder for the report: `index.html`, its figures, `compensation.json` and `run.json`
     #[arg(long, value_name = "DIR")]
-    pub report: Option<PathBuf>,
+    pub report: Option<OutputFolder>,
     /// File with the head of the report, [certificate] (TOML)
-    #[arg(long, value_name = "FILE", value_parser = input(), requires = "report")]
-    pub certificate: Option<PathBuf>,
+    #[arg(long, value_name = "FILE", requires = "report")]
+    pub certificate: Option<Input>,
     /// Print JSON instead of text
     #[arg(long)]
     pub json: bool,
@@ -193,8 +205,10 @@ pub struct Compensate {
 #[derive(Debug, clap::Args)]
 pub struct Export {
     /// A fit, as `identify` writes it
-    #[arg(long, value_name = "FILE", value_parser = input())]
-    pub fit: PathBuf,
+    #[arg(long, value_name = "FILE")]
+    pub fit: Input,
+    #[command(flatten)]
+    pub accept: Accept,
     /// Which of its sessions the robot is in, of a fit that knows several
     #[arg(long, value_name = "NAME")]
     pub session: Option<String>,
@@ -203,16 +217,16 @@ pub struct Export {
     pub format: ExportFormat,
     /// Where to write it
     #[arg(long, value_name = "FILE")]
-    pub out: PathBuf,
+    pub out: Output,
     /// The URDF that the fit was made from: its joint origins are corrected, everything else stays as it is
     #[arg(long, value_name = "FILE")]
-    pub urdf: Option<PathBuf>,
+    pub urdf: Option<Input>,
     /// Maker whose structure `--format ros-yaml` has
     #[arg(long, value_enum, required_if_eq("format", "ros-yaml"))]
     pub style: Option<YamlStyle>,
     /// The maker's own kinematics file (YAML), e.g. `default_kinematics.yaml`: ros-yaml gets its link frames
-    #[arg(long, value_name = "FILE", value_parser = input())]
-    pub like: Option<PathBuf>,
+    #[arg(long, value_name = "FILE")]
+    pub like: Option<Input>,
     /// The controller's hash, for `--style ur`: `calib_…`, as extracted from this robot [default: a hash of our own, which the driver reports]
     #[arg(long, value_name = "HASH", value_parser = parse_hash)]
     pub hash: Option<String>,
@@ -272,20 +286,22 @@ fn parse_hash(text: &str) -> Result<String, String> {
 #[derive(Debug, clap::Args)]
 pub struct Map {
     /// A fit, as `identify` writes it
-    #[arg(long, value_name = "FILE", value_parser = input())]
-    pub fit: PathBuf,
+    #[arg(long, value_name = "FILE")]
+    pub fit: Input,
+    #[command(flatten)]
+    pub accept: Accept,
     /// Which of its sessions the robot is in, of a fit that knows several
     #[arg(long, value_name = "NAME")]
     pub session: Option<String>,
     /// Where to write the map (CSV)
     #[arg(long, value_name = "FILE")]
-    pub out: PathBuf,
+    pub out: Output,
     /// Folder for the report: `index.html`, its figures, `map.json` and `run.json`
     #[arg(long, value_name = "DIR")]
-    pub report: Option<PathBuf>,
+    pub report: Option<OutputFolder>,
     /// File with the head of the report, [certificate] (TOML)
-    #[arg(long, value_name = "FILE", value_parser = input(), requires = "report")]
-    pub certificate: Option<PathBuf>,
+    #[arg(long, value_name = "FILE", requires = "report")]
+    pub certificate: Option<Input>,
     /// Corner of a box in the measurement frame, e.g. -500mm,0mm,200mm [default: a grid of joint values]
     #[arg(long, value_name = "X,Y,Z", value_parser = parse_position, requires = "to", allow_hyphen_values = true)]
     pub from: Option<[f64; 3]>,

@@ -1,11 +1,11 @@
 //! Options of the verbs that fit measurements: identify, discover, compare.
 
+use super::files::{Input, Output, OutputFolder};
 use super::values::{
-    Prior, input, parse_count, parse_fraction, parse_length, parse_prior, parse_prior_or_fleet, parse_whole,
+    Prior, parse_count, parse_fraction, parse_length, parse_prior, parse_prior_or_fleet, parse_whole,
 };
 use super::{Grouped, Robot};
 use crate::extensions::SolverChoice;
-use std::path::PathBuf;
 use truepose_identify::FitOptions;
 use truepose_io::{IoError, MeasurementsOptions};
 
@@ -15,11 +15,11 @@ pub struct Measured {
     #[command(flatten)]
     pub robot: Robot,
     /// Measurements (CSV)
-    #[arg(long, value_name = "FILE", value_parser = input())]
-    pub data: PathBuf,
+    #[arg(long, value_name = "FILE")]
+    pub data: Input,
     /// Declared model (TOML) [default: constant errors of every frame and target]
-    #[arg(long, value_name = "FILE", value_parser = input())]
-    pub model: Option<PathBuf>,
+    #[arg(long, value_name = "FILE")]
+    pub model: Option<Input>,
     #[command(flatten)]
     pub grouped: Grouped,
 }
@@ -38,10 +38,10 @@ pub struct Identify {
     pub measured: Measured,
     /// Where to write the fit
     #[arg(long, value_name = "FILE")]
-    pub out: Option<PathBuf>,
+    pub out: Option<Output>,
     /// Where to write the parameters of the robot as it is described: nominal, calibrated, 95 % interval (CSV)
     #[arg(long, value_name = "FILE")]
-    pub parameters: Option<PathBuf>,
+    pub parameters: Option<Output>,
     /// Solver, with its options in brackets: normal, qr, svd(rcond=1e-10), ridge(gcv), huber(qr, k=1.345), …
     #[arg(long, default_value = "qr")]
     pub solver: SolverChoice,
@@ -84,10 +84,10 @@ pub struct Identify {
     pub stream: bool,
     /// Folder for the report: `index.html`, its figures, `identification.json` and `run.json`
     #[arg(long, value_name = "DIR")]
-    pub report: Option<PathBuf>,
+    pub report: Option<OutputFolder>,
     /// File with the head of the report, [certificate] (TOML) [default: the robot file]
-    #[arg(long, value_name = "FILE", value_parser = input(), requires = "report")]
-    pub certificate: Option<PathBuf>,
+    #[arg(long, value_name = "FILE", requires = "report")]
+    pub certificate: Option<Input>,
     /// Specification of the 3-D position error, compared with held-out poses, e.g. 0.5mm; exit code 1 when they fail
     #[arg(long, value_name = "LENGTH", allow_hyphen_values = true, value_parser = parse_length)]
     pub spec: Option<f64>,
@@ -132,22 +132,22 @@ pub struct Discover {
     pub measured: Measured,
     /// Where to write the enlarged fit
     #[arg(long, value_name = "FILE")]
-    pub out: Option<PathBuf>,
+    pub out: Option<Output>,
     /// Folder for the report: `index.html`, its figures, `discovery.json` and `run.json`
     #[arg(long, value_name = "DIR")]
-    pub report: Option<PathBuf>,
+    pub report: Option<OutputFolder>,
     /// File with the head of the report, [certificate] (TOML) [default: the robot file]
-    #[arg(long, value_name = "FILE", value_parser = input(), requires = "report")]
-    pub certificate: Option<PathBuf>,
+    #[arg(long, value_name = "FILE", requires = "report")]
+    pub certificate: Option<Input>,
     /// Specification of the 3-D position error, compared with held-out poses, e.g. 0.5mm; exit code 1 when they fail
     #[arg(long, value_name = "LENGTH", allow_hyphen_values = true, value_parser = parse_length)]
     pub spec: Option<f64>,
     /// Folder for fits of the competing hypotheses that are not distinguishable from the findings, for `truepose plan --rival`
     #[arg(long, value_name = "DIR")]
-    pub rivals: Option<PathBuf>,
+    pub rivals: Option<OutputFolder>,
     /// Where to write the parameters of the robot as it is described: nominal, calibrated, 95 % interval (CSV)
     #[arg(long, value_name = "FILE")]
-    pub parameters: Option<PathBuf>,
+    pub parameters: Option<Output>,
     /// Solver, with its options in brackets: normal, qr, svd(rcond=1e-10), …
     #[arg(long, default_value = "qr")]
     pub solver: SolverChoice,
@@ -204,7 +204,7 @@ pub struct Compare {
     pub positions_only: bool,
     /// Folder for the report: `index.html`, its figures, `comparison.json` and `run.json`
     #[arg(long, value_name = "DIR")]
-    pub report: Option<PathBuf>,
+    pub report: Option<OutputFolder>,
     /// Scale of the prior standard deviations, for every strategy: evidence (from the marginal likelihood), none, or a factor
     #[arg(long, default_value = "none", value_parser = parse_prior)]
     pub prior: truepose_identify::PriorStrength,

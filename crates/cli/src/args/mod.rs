@@ -1,6 +1,7 @@
 //! The command line.
 
 mod acceptance;
+mod files;
 mod fitted;
 mod grouped;
 mod measured;
@@ -10,7 +11,8 @@ mod upkeep;
 mod values;
 
 pub use acceptance::{FramesFrom, Iso9283};
-pub use fitted::{Compensate, Export, ExportFormat, Map, Plan, PlannedTest, Predict, YamlStyle};
+pub use files::{Files, Input, NamedFile, OutputFolder};
+pub use fitted::{Accept, Compensate, Export, ExportFormat, Map, Plan, PlannedTest, Predict, YamlStyle};
 pub use grouped::{Grouped, NamedColumns};
 pub use measured::{Compare, Discover, Identify, Measured, SplitKind};
 #[cfg(feature = "completions")]
@@ -21,8 +23,8 @@ pub use program::{GivenPlace, RobotProgram};
 pub use upkeep::{Fleet, Monitor, Transfer};
 pub use values::{Place, Prior, Units};
 
-use clap::{Arg, Command, CommandFactory, FromArgMatches, Parser, Subcommand};
-use std::path::PathBuf;
+use clap::{Arg, ArgMatches, Command, CommandFactory, FromArgMatches, Parser, Subcommand};
+use std::path::Path;
 
 /// Robot calibration: identifies geometric and elastic errors of a robot arm, finds effects that the model lacks, and compensates
 #[derive(Debug, Parser)]
@@ -43,14 +45,21 @@ pub struct Args {
     /// The verb
     #[command(subcommand)]
     pub verb: Verb,
+    /// The files of the verb
+    #[arg(skip)]
+    pub files: Files,
 }
 
 impl Args {
     /// Parses the command line; ends the program where it is not valid.
     pub fn typed() -> Self {
-        let command = negative(Args::command());
-        Args::from_arg_matches(&command.get_matches_from(crate::typed::arguments()))
-            .unwrap_or_else(|error| error.exit())
+        let command = Args::whole();
+        let found = command.clone().get_matches_from(crate::typed::arguments());
+        Args::of(&command, &found).unwrap_or_else(|error| error.exit())
+    }
+
+    fn of(command: &Command, found: &ArgMatches) -> Result<Self, clap::Error> {
+        Ok(Args { files: Files::of(command, found), ..Args::from_arg_matches(found)? })
     }
 
     /// The command line, for completions and the manual page.
@@ -59,20 +68,21 @@ impl Args {
         negative(Args::command())
     }
 
-    /// Parses arguments that were recorded; the words behind the program's name.
+    /// Parses arguments that were recorded, the words behind the program's name; with all outputs in a folder of our own where one is given.
     ///
     /// # Errors
     /// What is wrong with them, in one line.
-    pub fn recorded(arguments: &[String]) -> Result<Self, String> {
+    pub fn recorded(arguments: &[String], into: Option<&Path>) -> Result<Self, String> {
         let words = std::iter::once("truepose").chain(arguments.iter().map(String::as_str));
-        negative(Args::command())
-            .try_get_matches_from(words)
-            .and_then(|found| Args::from_arg_matches(&found))
-            .map_err(|error| {
+        let command = Args::whole();
+        let command = into.map_or_else(|| command.clone(), |into| files::redirected(command.clone(), into));
+        command.clone().try_get_matches_from(words).and_then(|found| Args::of(&command, &found)).map_err(
+            |error| {
                 let all = error.to_string();
                 let first = all.lines().next().unwrap_or("they are not arguments of this program");
                 first.strip_prefix("error: ").unwrap_or(first).to_owned()
-            })
+            },
+        )
     }
 }
 
@@ -130,7 +140,7 @@ pub enum Verb {
 pub struct Robot {
     /// Robot description (.toml or .urdf)
     #[arg(long, value_name = "FILE")]
-    pub robot: PathBuf,
+    pub robot: Input,
     /// Base link of a URDF [default: its root]
     #[arg(long, value_name = "LINK")]
     pub base: Option<String>,

@@ -1,8 +1,8 @@
 //! Options of the verbs that fit nothing: check, effects, simulate, verify.
 
-use super::values::{input, parse_whole};
+use super::files::{Input, Output};
+use super::values::parse_whole;
 use super::{Grouped, Robot};
-use std::path::PathBuf;
 
 /// `truepose check`
 #[derive(Debug, clap::Args)]
@@ -10,11 +10,11 @@ pub struct Check {
     #[command(flatten)]
     pub robot: Robot,
     /// Measurements (CSV)
-    #[arg(long, value_name = "FILE", value_parser = input())]
-    pub data: Option<PathBuf>,
+    #[arg(long, value_name = "FILE")]
+    pub data: Option<Input>,
     /// Declared model (TOML)
-    #[arg(long, value_name = "FILE", value_parser = input())]
-    pub model: Option<PathBuf>,
+    #[arg(long, value_name = "FILE")]
+    pub model: Option<Input>,
     #[command(flatten)]
     pub grouped: Grouped,
     /// Print JSON instead of text
@@ -36,10 +36,10 @@ pub struct Init {
     pub dh: Option<u16>,
     /// Where to write the robot description [default: NAME.toml; of --dh: robot.toml]
     #[arg(long, value_name = "FILE")]
-    pub out: Option<PathBuf>,
+    pub out: Option<Output>,
     /// Where to write a table for the measurements (CSV, with its header alone)
     #[arg(long, value_name = "FILE")]
-    pub csv: Option<PathBuf>,
+    pub csv: Option<Output>,
 }
 
 /// `truepose effects`
@@ -57,14 +57,14 @@ pub struct Effects {
 #[derive(Debug, clap::Args)]
 pub struct Simulate {
     /// Plant (TOML): the robot's file, its error sources, what it is measured with, and the measurement campaign
-    #[arg(long, value_name = "FILE", value_parser = input())]
-    pub plant: PathBuf,
+    #[arg(long, value_name = "FILE")]
+    pub plant: Input,
     /// Where to write the measurements (CSV, mm and degrees)
     #[arg(long, value_name = "FILE")]
-    pub out: PathBuf,
+    pub out: Output,
     /// Where to write the true position of every row's target and the true orientation of the tool, without noise (CSV)
     #[arg(long, value_name = "FILE")]
-    pub truth: Option<PathBuf>,
+    pub truth: Option<Output>,
     /// Seed of every random choice [default: that of the plant]
     #[arg(long, value_parser = parse_whole::<u64>)]
     pub seed: Option<u64>,
@@ -78,7 +78,7 @@ pub struct Simulate {
 pub struct Verify {
     /// Record of the run, `run.json` in the folder of its report; to be used in the folder in which the run was made
     #[arg(value_name = "FILE")]
-    pub run: PathBuf,
+    pub run: Input,
 }
 
 /// `truepose completions`

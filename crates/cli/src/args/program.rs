@@ -1,7 +1,7 @@
 //! Options of `truepose compensate --program`.
 
-use super::values::{Place, input, parse_length, parse_place, parse_position};
-use std::path::PathBuf;
+use super::files::Input;
+use super::values::{Place, parse_length, parse_place, parse_position};
 use truepose_controllers::Dialect;
 use truepose_kinematics::Pose;
 
@@ -10,12 +10,12 @@ use truepose_kinematics::Pose;
 pub struct RobotProgram {
     /// Robot program whose points are replaced by compensated ones, instead of poses: KUKA .src .dat, ABB .mod, FANUC .ls, Universal Robots
     /// .script, Yaskawa .jbi, Stäubli .dtx
-    #[arg(long, value_name = "FILE", value_parser = input(), conflicts_with_all = ["poses", "joints", "cartesian"])]
-    pub program: Option<PathBuf>,
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["poses", "joints", "cartesian"])]
+    pub program: Option<Input>,
     /// Further file of the program with motions, declarations or frames; repeat the option for each. Its points are compensated, too, and
     /// written beside --out
-    #[arg(long, value_name = "FILE", value_parser = input(), requires = "program")]
-    pub with: Vec<PathBuf>,
+    #[arg(long, value_name = "FILE", requires = "program")]
+    pub with: Vec<Input>,
     /// Language of the program: krl, rapid, fanuc, urscript, inform, val3 [default: by the ending of its name]
     #[arg(long, value_name = "LANGUAGE", value_parser = parse_language, requires = "program")]
     pub language: Option<Dialect>,

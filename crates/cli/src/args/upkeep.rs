@@ -1,23 +1,24 @@
 //! Options of the verbs that hold new measurements against a fit: transfer, monitor.
 
-use super::Grouped;
-use super::values::input;
-use std::path::PathBuf;
+use super::files::{Input, Output, Record};
+use super::{Accept, Grouped};
 
 /// `truepose transfer`
 #[derive(Debug, clap::Args)]
 pub struct Transfer {
     /// A fit, as `identify` or `discover` writes it
-    #[arg(long, value_name = "FILE", value_parser = input())]
-    pub fit: PathBuf,
+    #[arg(long, value_name = "FILE")]
+    pub fit: Input,
+    #[command(flatten)]
+    pub accept: Accept,
     /// Measurements in the new installation (CSV): a few poses
-    #[arg(long, value_name = "FILE", value_parser = input())]
-    pub data: PathBuf,
+    #[arg(long, value_name = "FILE")]
+    pub data: Input,
     #[command(flatten)]
     pub grouped: Grouped,
     /// Where to write the fit of the new installation
     #[arg(long, value_name = "FILE")]
-    pub out: PathBuf,
+    pub out: Output,
     /// Find the tool as well
     #[arg(long)]
     pub tool: bool,
@@ -36,11 +37,11 @@ pub struct Transfer {
 #[derive(Debug, clap::Args)]
 pub struct Fleet {
     /// Fits of robots of one type, made with one model
-    #[arg(value_name = "FIT", required = true, value_parser = input())]
-    pub fits: Vec<PathBuf>,
+    #[arg(value_name = "FIT", required = true)]
+    pub fits: Vec<Input>,
     /// Where to write the prior for the next robot of that type (JSON): `identify --prior`
     #[arg(long, value_name = "FILE")]
-    pub out: PathBuf,
+    pub out: Output,
     /// Print JSON instead of text
     #[arg(long)]
     pub json: bool,
@@ -50,22 +51,24 @@ pub struct Fleet {
 #[derive(Debug, clap::Args)]
 pub struct Monitor {
     /// The fit of the robot as it was calibrated
-    #[arg(long, value_name = "FILE", value_parser = input())]
-    pub fit: PathBuf,
+    #[arg(long, value_name = "FILE")]
+    pub fit: Input,
+    #[command(flatten)]
+    pub accept: Accept,
     /// Which of its sessions the robot is in, of a fit that knows several
     #[arg(long, value_name = "NAME")]
     pub session: Option<String>,
     /// Measurements of today (CSV)
-    #[arg(long, value_name = "FILE", value_parser = input())]
-    pub data: PathBuf,
+    #[arg(long, value_name = "FILE")]
+    pub data: Input,
     #[command(flatten)]
     pub grouped: Grouped,
     /// File in which the looks at this robot are kept; the level of a look depends on how many were before [default: this is the first look]
     #[arg(long, value_name = "FILE")]
-    pub history: Option<PathBuf>,
+    pub history: Option<Record>,
     /// Page with all looks at this robot (HTML), for people
     #[arg(long, value_name = "FILE", requires = "history")]
-    pub page: Option<PathBuf>,
+    pub page: Option<Output>,
     /// Probability that an unchanged robot ever raises an alarm, over all looks
     #[arg(long, default_value_t = 0.01)]
     pub alpha: f64,

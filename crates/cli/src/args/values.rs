@@ -1,15 +1,8 @@
 //! Parsers of option values with a unit or a format of their own.
 
-use clap::builder::{PathBufValueParser, TypedValueParser};
-use std::path::{Path, PathBuf};
+use super::Input;
 use truepose_io::{Quantity, Unit};
 use truepose_kinematics::Pose;
-
-/// A file that is read; `-` is standard input, where the system has a file for it.
-pub(super) fn input() -> impl TypedValueParser<Value = PathBuf> {
-    let stdin = |file: PathBuf| if cfg!(unix) && file == Path::new("-") { "/dev/stdin".into() } else { file };
-    PathBufValueParser::new().map(stdin)
-}
 
 /// `evidence`, `none`, or κ.
 pub(super) fn parse_prior(text: &str) -> Result<truepose_identify::PriorStrength, String> {
@@ -30,7 +23,7 @@ pub enum Prior {
     /// Expected sizes, so strongly.
     Sizes(truepose_identify::PriorStrength),
     /// The robots of a fleet, in this file.
-    Fleet(PathBuf),
+    Fleet(Input),
 }
 
 impl Prior {

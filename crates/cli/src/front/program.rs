@@ -91,7 +91,7 @@ pub fn rewrite(fitted: &FittedModel, file: &Path, options: &Rewriting) -> Result
     });
     let own = RobotProgram {
         program: Some(file.into()),
-        with: options.with.clone(),
+        with: options.with.iter().map(Into::into).collect(),
         language: language.transpose()?,
         limit: options.limit,
         mark: options.mark,

@@ -32,7 +32,7 @@ pub fn run(args: &Compare, watch: &Watch) -> Result<(), Failure> {
         };
         return Err(Failure::Input(words));
     };
-    let files_read = (args.measured.robot.robot.as_path(), args.measured.data.as_path());
+    let files_read = (&*args.measured.robot.robot, &*args.measured.data);
     let plain = truepose_solvers::PivotedQr::default();
     let options = FitOptions { prior: args.prior, ..FitOptions::default() };
     let campaign = Campaign::read(files_read, chain, effects, data, &info, (&plain, &options))?;

@@ -11,9 +11,10 @@ use crate::extensions::effects;
 use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::terminal;
+use crate::verdict::usable;
 use crate::watch::Watch;
 use rayon::prelude::*;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use truepose_compensate::{
     Command, CommandRequest, CompensateError, Compensator, CompensatorOptions, Status, Target,
     correction_helps, radius_95,
@@ -38,7 +39,12 @@ const TOGETHER: usize = 64;
 pub fn run(args: &Compensate, watch: &Watch) -> Result<(), Failure> {
     check_writable(&args.out)?;
     let folder = Folder::with_head(args.report.as_ref(), "compensation.json", args.certificate.as_ref())?;
-    let fitted = chosen(read_fit(&args.fit, effects())?, args.session.as_deref(), false)?.of_robot();
+    let fitted = chosen(
+        usable(&args.fit, read_fit(&args.fit, effects())?, args.accept.accept)?,
+        args.session.as_deref(),
+        false,
+    )?
+    .of_robot();
     let file = file(args);
     let placed = Placed::new(args, &fitted)?;
     let mut poses = read(args, &fitted, &placed)?;
@@ -96,7 +102,7 @@ pub fn run(args: &Compensate, watch: &Watch) -> Result<(), Failure> {
         ]
         .into_iter()
         .flatten()
-        .map(PathBuf::as_path)
+        .map(|file| &**file)
         .collect();
         let view = CommandsView {
             robot: fitted.chain().name().into(),

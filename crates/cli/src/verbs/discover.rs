@@ -12,6 +12,7 @@ use crate::failure::Failure;
 use crate::progress::Progress as Bar;
 use crate::recorded::record_columns;
 use crate::terminal;
+use crate::verdict::FitVerdict;
 use crate::watch::{Kept, Watch};
 use std::path::{Path, PathBuf};
 use truepose_discover::{
@@ -22,7 +23,7 @@ use truepose_identify::{FitOptions, IdentifyError, as_found};
 use truepose_io::{
     WholeFiles, check_writable, fit_json, make_folder, read_measurements, write_fit, write_whole,
 };
-use truepose_report::{DiscoverySettings, DiscoverySummary, NestedSummary, discovery_report};
+use truepose_report::{DiscoverySettings, DiscoverySummary, NestedSummary, Verdict, discovery_report};
 
 /// Runs the verb.
 pub fn run(args: &Discover, watch: &Watch) -> Result<(), Failure> {
@@ -45,7 +46,7 @@ pub fn run(args: &Discover, watch: &Watch) -> Result<(), Failure> {
     if args.positions_only {
         data.orientation.fill(None);
     }
-    let files_read = (args.measured.robot.robot.as_path(), args.measured.data.as_path());
+    let files_read = (&*args.measured.robot.robot, &*args.measured.data);
     let solver = args.solver.build();
     let fit = FitOptions::default();
     let campaign = Campaign::read(files_read, chain, declared, data, &info, (&*solver, &fit))?;
@@ -76,7 +77,7 @@ pub fn run(args: &Discover, watch: &Watch) -> Result<(), Failure> {
         let options = options_of(campaign);
         diagnose(chain, declared, data, &*solver, &options, &|step| match step {
             Progress::Interim(so_far) => {
-                let (out, origin) = (args.out.clone(), origin.clone());
+                let (out, origin) = (args.out.as_deref().map(Path::to_path_buf), origin.clone());
                 let result = folder.as_ref().map(Folder::result);
                 watch.keep(move |why| incomplete(*so_far, settings, &origin, out, result, why));
             }
@@ -99,7 +100,11 @@ pub fn run(args: &Discover, watch: &Watch) -> Result<(), Failure> {
     summary.observers = observers;
     if let Some(folds) = args.nested {
         // If a limit ends the validation, the completed search is shown and written.
-        let whole = (summary.clone(), args.out.clone(), folder.as_ref().map(Folder::result));
+        let whole = (
+            summary.clone(),
+            args.out.as_deref().map(Path::to_path_buf),
+            folder.as_ref().map(Folder::result),
+        );
         let (fitted, origin) = (found.fit.fitted.without_order()?, origin.clone());
         watch.keep(move |why| without_validation(whole, fitted, &origin, why));
         let Some(split) = split(usize::from(folds), args.split, args.seed, different(data))? else {
@@ -121,6 +126,8 @@ pub fn run(args: &Discover, watch: &Watch) -> Result<(), Failure> {
     }
     // Pages are of the whole fit; its file is of the robot alone.
     let mut used = campaign.used(&found.fit.fitted)?;
+    let failed = summary.specification.as_ref().map(|of| of.verdict == Verdict::Fail);
+    FitVerdict { failed, ..FitVerdict::converged(found.fit.converged) }.record(&mut used);
     parameters::record_details(&mut used, &args.measured.robot.robot)?;
     record_columns(&mut used, &info.map);
     if args.parameters.is_some() || args.report.is_some() || args.json {
@@ -155,7 +162,8 @@ pub fn run(args: &Discover, watch: &Watch) -> Result<(), Failure> {
             terminal::print(&parameters.to_string());
         }
     }
-    for file in folder.as_ref().map(Folder::page).iter().chain(&args.out).chain(&args.parameters) {
+    let page = folder.as_ref().map(Folder::page);
+    for file in [page.as_deref(), args.out.as_deref(), args.parameters.as_deref()].into_iter().flatten() {
         terminal::log(&format!("wrote {}", file.display()));
     }
     rivals.iter().for_each(|line| terminal::log(line));

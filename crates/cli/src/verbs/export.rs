@@ -6,6 +6,7 @@ use crate::args::{Export, ExportFormat, YamlStyle};
 use crate::extensions::effects;
 use crate::failure::Failure;
 use crate::terminal;
+use crate::verdict::usable;
 use std::path::Path;
 use truepose_compensate::{
     Accuracy, AxisConvention, AxisTableOptions, Comparison, ExportOptions, Exported, JointOrigins,
@@ -57,7 +58,12 @@ pub fn run(args: &Export) -> Result<(), Failure> {
         return Err(Failure::Input("--hash: only `--style ur` has a hash".into()));
     }
     check_writable(&args.out)?;
-    let fitted = chosen(read_fit(&args.fit, effects())?, args.session.as_deref(), true)?.of_robot();
+    let fitted = chosen(
+        usable(&args.fit, read_fit(&args.fit, effects())?, args.accept.accept)?,
+        args.session.as_deref(),
+        true,
+    )?
+    .of_robot();
     let target = target(&fitted, args.target.as_deref())?;
     let options = ExportOptions { target, ..ExportOptions::default() };
     let wanted = Wanted {

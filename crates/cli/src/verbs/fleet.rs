@@ -5,6 +5,7 @@ use super::told;
 use crate::args::Fleet;
 use crate::extensions::effects;
 use crate::failure::Failure;
+use crate::verdict::usable;
 use truepose_io::{check_writable, read_fit, write_fit};
 use truepose_report::FleetSummary;
 use truepose_upkeep::fleet;
@@ -14,7 +15,7 @@ pub fn run(args: &Fleet) -> Result<(), Failure> {
     check_writable(&args.out)?;
     let mut fits = Vec::new();
     for file in &args.fits {
-        fits.push(chosen(read_fit(file, effects())?, None, true)?);
+        fits.push(chosen(usable(file, read_fit(file, effects())?, false)?, None, true)?);
     }
     let mut made = fleet(&fits).map_err(|error| {
         let files: Vec<String> = args.fits.iter().map(|file| file.display().to_string()).collect();

@@ -10,12 +10,13 @@ use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::recorded::record_columns;
 use crate::terminal;
+use crate::verdict::FitVerdict;
 use crate::watch::Watch;
 use std::path::Path;
 use truepose_errormodel::{Dataset, Visits, configurations};
 use truepose_identify::{IdentificationOptions, Split, Step, hold_out, identify};
 use truepose_io::{WholeFiles, check_writable, fit_json, read_measurements};
-use truepose_report::{IdentificationSummary, identification_report};
+use truepose_report::{IdentificationSummary, Verdict, identification_report};
 
 /// Runs the verb.
 pub fn run(args: &Identify, watch: &Watch) -> Result<(), Failure> {
@@ -50,7 +51,7 @@ pub fn run(args: &Identify, watch: &Watch) -> Result<(), Failure> {
         holdout: args.holdout,
         seed: args.seed,
     };
-    let files_read = (args.measured.robot.robot.as_path(), args.measured.data.as_path());
+    let files_read = (&*args.measured.robot.robot, &*args.measured.data);
     let solver = args.solver.build();
     let campaign = Campaign::read(files_read, chain, effects, data, &info, (&*solver, &options.fit))?;
     options.fit = campaign.options(&options.fit);
@@ -99,6 +100,7 @@ pub fn run(args: &Identify, watch: &Watch) -> Result<(), Failure> {
         })?;
     }
     if let Some(out) = &args.out {
+        verdict(&summary).record(&mut used);
         let provenance = &mut used.provenance;
         origin(provenance, &summary.solver, summary.rows);
         provenance.insert("seed".into(), args.seed.into());
@@ -114,7 +116,8 @@ pub fn run(args: &Identify, watch: &Watch) -> Result<(), Failure> {
             terminal::print(&parameters.to_string());
         }
     }
-    for file in folder.as_ref().map(Folder::page).iter().chain(&args.out).chain(&args.parameters) {
+    let page = folder.as_ref().map(Folder::page);
+    for file in [page.as_deref(), args.out.as_deref(), args.parameters.as_deref()].into_iter().flatten() {
         terminal::log(&format!("wrote {}", file.display()));
     }
     if summary.lacks_an_effect() {
@@ -123,6 +126,20 @@ pub fn run(args: &Identify, watch: &Watch) -> Result<(), Failure> {
     conforms(summary.specification.as_ref())?;
     let Some(last) = summary.stages.last() else { return Ok(()) };
     require(args, last.test_set.or(last.held_out).unwrap_or(last.train).rms_mm * 1e-3)
+}
+
+/// What is to be known of the fit wherever it is used.
+fn verdict(summary: &IdentificationSummary) -> FitVerdict {
+    let unseen = |name: &str| {
+        let stage = summary.stages.iter().find(|stage| stage.name.starts_with(name))?;
+        Some(stage.test_set.or(stage.held_out)?.rms_mm)
+    };
+    let worse = unseen("base and tool").zip(unseen("declared model"));
+    FitVerdict {
+        contradicted: worse.is_some_and(|(alone, declared)| declared > alone),
+        failed: summary.specification.as_ref().map(|of| of.verdict == Verdict::Fail),
+        ..FitVerdict::converged(summary.converged)
+    }
 }
 
 /// The command that looks for the effect that is lacking.

@@ -25,7 +25,8 @@ pub fn run(args: &Init) -> Result<(), Failure> {
         return Ok(());
     };
     let known = Known::named(word).ok_or_else(|| unknown(word))?;
-    let out = args.out.clone().unwrap_or_else(|| PathBuf::from(format!("{}.toml", known.name)));
+    let out =
+        args.out.as_deref().map_or_else(|| PathBuf::from(format!("{}.toml", known.name)), Path::to_path_buf);
     free(&out, args)?;
     write_whole(&out, known.text.as_bytes())?;
     let (chain, _) = read_robot(&out, &RobotOptions::default())?;
@@ -40,8 +41,8 @@ pub fn run(args: &Init) -> Result<(), Failure> {
 }
 
 /// Refuses files that exist.
-fn free(out: &PathBuf, args: &Init) -> Result<(), Failure> {
-    for file in std::iter::once(out).chain(&args.csv) {
+fn free(out: &Path, args: &Init) -> Result<(), Failure> {
+    for file in std::iter::once(out).chain(args.csv.as_deref()) {
         if file.exists() {
             let message = format!("{}: the file exists; remove it, or write to another one", file.display());
             return Err(Failure::Input(message));
@@ -59,10 +60,10 @@ fn free(out: &PathBuf, args: &Init) -> Result<(), Failure> {
 
 /// A description whose numbers are still to be filled in.
 fn unfilled(rows: u16, args: &Init) -> Result<(), Failure> {
-    let out = args.out.clone().unwrap_or_else(|| PathBuf::from("robot.toml"));
-    free(&out, args)?;
-    write_whole(&out, template::robot(rows).as_bytes())?;
-    let (chain, _) = read_robot(&out, &RobotOptions::default())?;
+    let out = args.out.as_deref().unwrap_or(Path::new("robot.toml"));
+    free(out, args)?;
+    write_whole(out, template::robot(rows).as_bytes())?;
+    let (chain, _) = read_robot(out, &RobotOptions::default())?;
     if let Some(csv) = &args.csv {
         write_whole(csv, measurements(&chain, "robot").as_bytes())?;
     }

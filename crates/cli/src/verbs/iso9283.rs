@@ -7,8 +7,9 @@ use crate::args::{FramesFrom, Iso9283, Robot};
 use crate::extensions::effects;
 use crate::failure::Failure;
 use crate::terminal;
+use crate::verdict::usable;
 use crate::watch::Watch;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use truepose_acceptance::{Alignment, AssessmentOptions, assess};
 use truepose_io::{WholeFiles, read_fit, read_measurements};
 use truepose_report::{AcceptanceSummary, acceptance_report};
@@ -20,7 +21,14 @@ pub fn run(args: &Iso9283, watch: &Watch) -> Result<(), Failure> {
         .transpose()?;
     // Errors of instrument and log are none of the robot.
     let fitted = match &args.fit {
-        Some(file) => Some(chosen(read_fit(file, effects())?, args.session.as_deref(), false)?.of_robot()),
+        Some(file) => Some(
+            chosen(
+                usable(file, read_fit(file, effects())?, args.accept.accept)?,
+                args.session.as_deref(),
+                false,
+            )?
+            .of_robot(),
+        ),
         None => None,
     };
     let (chain, reading) = match (&fitted, &args.robot) {
@@ -52,7 +60,7 @@ pub fn run(args: &Iso9283, watch: &Watch) -> Result<(), Failure> {
             [args.robot.as_ref(), args.fit.as_ref(), Some(&args.data), args.certificate.as_ref()]
                 .into_iter()
                 .flatten()
-                .map(PathBuf::as_path)
+                .map(|file| &**file)
                 .collect();
         folder.add(&mut files, &summary, &inputs, |run| Ok(acceptance_report(&summary, run)))?;
     }

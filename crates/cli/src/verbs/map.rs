@@ -7,8 +7,9 @@ use crate::args::Map;
 use crate::extensions::effects;
 use crate::failure::Failure;
 use crate::terminal;
+use crate::verdict::usable;
 use crate::watch::Watch;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use truepose_compensate::{
     AccuracyMap, MapGrid, MapNode, MapOptions, Status, accuracy_map, middle_conditions,
 };
@@ -22,7 +23,12 @@ use truepose_report::{MapView, PlaceView, count, map_report, millimetres};
 pub fn run(args: &Map, watch: &Watch) -> Result<(), Failure> {
     check_writable(&args.out)?;
     let folder = Folder::with_head(args.report.as_ref(), "map.json", args.certificate.as_ref())?;
-    let fitted = chosen(read_fit(&args.fit, effects())?, args.session.as_deref(), true)?.of_robot();
+    let fitted = chosen(
+        usable(&args.fit, read_fit(&args.fit, effects())?, args.accept.accept)?,
+        args.session.as_deref(),
+        true,
+    )?
+    .of_robot();
     let chain = fitted.chain();
     let mut conditions = middle_conditions(&fitted);
     if let Some(mass) = args.payload {
@@ -75,11 +81,8 @@ pub fn run(args: &Map, watch: &Watch) -> Result<(), Failure> {
             sentences: sentences(&map),
             places: map.nodes.iter().map(place).collect(),
         };
-        let inputs: Vec<&Path> = [Some(&args.fit), args.certificate.as_ref()]
-            .into_iter()
-            .flatten()
-            .map(PathBuf::as_path)
-            .collect();
+        let inputs: Vec<&Path> =
+            [Some(&args.fit), args.certificate.as_ref()].into_iter().flatten().map(|file| &**file).collect();
         folder.add(&mut files, &view, &inputs, |run| Ok(map_report(&view, run)))?;
     }
     files.finish()?;

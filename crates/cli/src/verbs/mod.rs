@@ -49,11 +49,11 @@ mod verify;
 
 pub use completions::write as completions;
 
-use crate::args::{Measured, Robot, Verb};
+use crate::args::{Files, Measured, Robot, Verb};
 use crate::failure::Failure;
 use crate::terminal;
 use crate::watch::Watch;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use truepose_compensate::Status;
 use truepose_errormodel::effects::Geometric;
 use truepose_errormodel::{AnyEffect, Dataset, FittedModel, ModelError};
@@ -63,15 +63,16 @@ use truepose_kinematics::{Chain, TargetId};
 use truepose_report::suspicion_text;
 
 /// Runs a verb.
-pub fn run(verb: &Verb, watch: &Watch) -> Result<(), Failure> {
-    files::apart(verb)?;
+pub fn run(verb: &Verb, files: &Files, watch: &Watch) -> Result<(), Failure> {
+    files::apart(verb, files)?;
+    let _locked = files::locked(files)?;
     match verb {
         Verb::Identify(verb) => identify::run(verb, watch),
         Verb::Discover(verb) => discover::run(verb, watch),
         Verb::Plan(verb) => plan::run(verb, watch),
         Verb::Predict(verb) => predict::run(verb, watch),
         Verb::Compensate(of) => match &of.robot_program.program {
-            Some(file) => program::run(of, file, &files::named(verb).0),
+            Some(file) => program::run(of, file, &files.read),
             None => compensate::run(of, watch),
         },
         Verb::Export(verb) => export::run(verb),
@@ -123,7 +124,7 @@ fn target(fitted: &FittedModel, name: Option<&str>) -> Result<Option<TargetId>, 
 /// Files that a run on measurements read.
 fn read_files(measured: &Measured) -> Vec<&Path> {
     let Measured { robot, data, model, .. } = measured;
-    [Some(&robot.robot), Some(data), model.as_ref()].into_iter().flatten().map(PathBuf::as_path).collect()
+    [Some(&robot.robot), Some(data), model.as_ref()].into_iter().flatten().map(|file| &**file).collect()
 }
 
 /// The declared effects; without a model file constant errors of every frame and target.

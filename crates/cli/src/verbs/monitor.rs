@@ -6,6 +6,7 @@ use crate::args::Monitor;
 use crate::extensions::effects;
 use crate::failure::Failure;
 use crate::terminal;
+use crate::verdict::usable;
 use crate::watch::Watch;
 use truepose_io::{
     LookRecord, MonitorHistory, check_writable, file_digest, read_fit, read_measurements, write_whole,
@@ -15,15 +16,23 @@ use truepose_upkeep::{Installation, MonitorOptions, monitor};
 
 /// Runs the verb; [`Failure::Changed`] where the robot has changed.
 pub fn run(args: &Monitor, watch: &Watch) -> Result<(), Failure> {
-    for file in [&args.history, &args.page].into_iter().flatten() {
+    for file in [args.history.as_deref(), args.page.as_deref()].into_iter().flatten() {
         check_writable(file)?;
     }
-    let fitted = chosen(read_fit(&args.fit, effects())?, args.session.as_deref(), args.base)?;
+    let fitted = chosen(
+        usable(&args.fit, read_fit(&args.fit, effects())?, args.accept.accept)?,
+        args.session.as_deref(),
+        args.base,
+    )?;
     let (_, digest) = file_digest(&args.fit)?;
+    // Read while the file is locked ([`super::files::locked`]): what another run adds comes before or after all of this.
     let mut history = match &args.history {
         Some(file) if file.exists() => MonitorHistory::read(file, &digest)?,
         _ => MonitorHistory::new(digest),
     };
+    // What comes through a pipe cannot be read again.
+    let data_sha256 = if args.data.is_file() { file_digest(&args.data)?.1 } else { String::new() };
+    once(&history, &data_sha256, args)?;
     let (data, info, warnings) =
         read_measurements(&args.data, fitted.chain(), &args.grouped.measured_for(&fitted))?;
     terminal::warn(&warnings);
@@ -36,7 +45,7 @@ pub fn run(args: &Monitor, watch: &Watch) -> Result<(), Failure> {
     let summary = MonitorSummary::new(fitted.chain().name(), &seen, history.looks.len() + 1, args.alpha);
     history.looks.push(LookRecord {
         data: args.data.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned()),
-        data_sha256: file_digest(&args.data)?.1,
+        data_sha256,
         rows: seen.rows,
         poses: seen.poses,
         rms_mm: summary.rms_mm,
@@ -58,10 +67,25 @@ pub fn run(args: &Monitor, watch: &Watch) -> Result<(), Failure> {
     } else {
         terminal::print(&summary.to_string());
     }
-    for file in [&args.history, &args.page].into_iter().flatten() {
+    for file in [args.history.as_deref(), args.page.as_deref()].into_iter().flatten() {
         terminal::log(&format!("wrote {}", file.display()));
     }
     if seen.changed { Err(Failure::Changed) } else { Ok(()) }
+}
+
+/// Refuses measurements that the history has already: a check of the same numbers is no further one.
+fn once(history: &MonitorHistory, sha256: &str, args: &Monitor) -> Result<(), Failure> {
+    let same = |look: &LookRecord| !sha256.is_empty() && look.data_sha256 == sha256;
+    let Some(k) = history.looks.iter().position(same) else { return Ok(()) };
+    let words = match history.looks[k].data.as_str() {
+        "" => String::new(),
+        name => format!(" (`{name}`)"),
+    };
+    Err(Failure::Input(format!(
+        "{}: check {} of the history{words} is of these measurements; measure again, or leave --history out",
+        args.data.display(),
+        k + 1
+    )))
 }
 
 /// A look as the page shows it.

@@ -10,7 +10,7 @@ use crate::extensions::effects;
 use crate::failure::Failure;
 use crate::terminal;
 use crate::watch::Watch;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use truepose_errormodel::{DatasetBuilder, FittedModel, Measurement};
 use truepose_identify::plan;
 use truepose_io::{PlannedVisit, WholeFiles, check_writable, read_fit, write_plan};
@@ -102,7 +102,7 @@ fn write_page(
         [args.fit.as_ref(), args.rival.as_ref(), args.at.as_ref(), args.certificate.as_ref()]
             .into_iter()
             .flatten()
-            .map(PathBuf::as_path)
+            .map(|file| &**file)
             .collect();
     folder.add(&mut files, &view, &inputs, |run| Ok(plan_report(&view, chain, &data, run)))?;
     files.finish()?;

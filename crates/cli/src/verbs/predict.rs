@@ -8,10 +8,11 @@ use crate::extensions::effects;
 use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::terminal;
+use crate::verdict::usable;
 use crate::watch::Watch;
 use rayon::prelude::*;
 use std::borrow::Cow;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use truepose_compensate::radius_95;
 use truepose_errormodel::{Coverage, Dataset, FittedModel, SESSION};
 use truepose_identify::{Residuals, Spread, Tally};
@@ -38,7 +39,7 @@ const CHUNK: usize = 256;
 pub fn run(args: &Predict, watch: &Watch) -> Result<(), Failure> {
     check_writable(&args.out)?;
     let folder = Folder::with_head(args.report.as_ref(), "prediction.json", args.certificate.as_ref())?;
-    let fitted = read_fit(&args.fit, effects())?;
+    let fitted = usable(&args.fit, read_fit(&args.fit, effects())?, args.accept.accept)?;
     let options = args.grouped.conditions_for(&fitted);
     // The page shows every row.
     if folder.is_none()
@@ -69,7 +70,7 @@ pub fn run(args: &Predict, watch: &Watch) -> Result<(), Failure> {
         let inputs: Vec<&Path> = [Some(&args.fit), Some(&args.data), args.certificate.as_ref()]
             .into_iter()
             .flatten()
-            .map(PathBuf::as_path)
+            .map(|file| &**file)
             .collect();
         folder.add(&mut files, &view, &inputs, |run| Ok(prediction_report(&view, run)))?;
         files.finish()?;

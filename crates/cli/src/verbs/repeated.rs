@@ -1,65 +1,47 @@
 //! A recorded run with its outputs elsewhere: whatever its arguments say, nothing is written outside of one folder.
 
-use crate::args::{Args, Verb};
-use std::path::Path;
+use crate::args::{Args, Files, Verb};
+use std::path::{Path, PathBuf};
 
 /// A verb to repeat.
 #[derive(Debug)]
 pub struct Repeated {
     /// With every output in the folder.
     pub verb: Verb,
-    /// Name of the result there.
+    /// Its files.
+    pub files: Files,
+    /// Name of the result.
     pub result: &'static str,
+    /// The folder of its report.
+    pub report: PathBuf,
 }
 
 impl Repeated {
-    /// Of recorded arguments, which are parsed as any others are: each output is a field, and is replaced.
+    /// Of recorded arguments, which are parsed as any others are: each output is one by its type, and is redirected.
     ///
     /// # Errors
     /// What is wrong with the arguments.
     pub fn of(arguments: &[String], own: &Path) -> Result<Self, String> {
-        let args =
-            Args::recorded(arguments).map_err(|words| format!("its arguments are not valid: {words}"))?;
-        let report = Some(own.to_path_buf());
-        let (verb, result) = match args.verb {
-            Verb::Identify(mut verb) => {
-                (verb.report, verb.out, verb.parameters) = (report, None, None);
-                (Verb::Identify(verb), "identification.json")
-            }
-            Verb::Discover(mut verb) => {
-                // Fits of competing hypotheses are work that the result shows.
-                let rivals = verb.rivals.map(|_| own.join("rivals"));
-                (verb.report, verb.out, verb.rivals) = (report, None, rivals);
-                verb.parameters = None;
-                (Verb::Discover(verb), "discovery.json")
-            }
-            Verb::Compare(mut verb) => {
-                verb.report = report;
-                (Verb::Compare(verb), "comparison.json")
-            }
-            Verb::Compensate(mut verb) => {
-                (verb.report, verb.out) = (report, own.join("commands.csv"));
-                (Verb::Compensate(verb), "compensation.json")
-            }
-            Verb::Map(mut verb) => {
-                (verb.report, verb.out) = (report, own.join("map.csv"));
-                (Verb::Map(verb), "map.json")
-            }
-            Verb::Plan(mut verb) => {
-                (verb.report, verb.out) = (report, own.join("plan.csv"));
-                (Verb::Plan(verb), "plan.json")
-            }
-            Verb::Predict(mut verb) => {
-                (verb.report, verb.out) = (report, own.join("predictions.csv"));
-                (Verb::Predict(verb), "prediction.json")
-            }
-            Verb::Iso9283(mut verb) => {
-                verb.report = report;
-                (Verb::Iso9283(verb), "acceptance.json")
-            }
+        let of = |arguments: &[String]| {
+            Args::recorded(arguments, Some(own))
+                .map_err(|words| format!("its arguments are not valid: {words}"))
+        };
+        let Args { verb, files, .. } = of(arguments)?;
+        let result = match &verb {
+            Verb::Identify(_) => "identification.json",
+            Verb::Discover(_) => "discovery.json",
+            Verb::Compare(_) => "comparison.json",
+            Verb::Compensate(_) => "compensation.json",
+            Verb::Map(_) => "map.json",
+            Verb::Plan(_) => "plan.json",
+            Verb::Predict(_) => "prediction.json",
+            Verb::Iso9283(_) => "acceptance.json",
             _ => return Err(NOT_REPEATED.into()),
         };
-        Ok(Repeated { verb, result })
+        match files.folders.iter().find(|folder| folder.option == "--report") {
+            Some(folder) => Ok(Repeated { report: folder.path.clone(), verb, files, result }),
+            None => Err("its arguments have no --report".into()),
+        }
     }
 }
 
@@ -78,18 +60,19 @@ mod tests {
 
     #[test]
     fn outputs_are_redirected() {
-        let read = ["discover", "--robot", "r.toml", "--data=d.csv"];
-        for outputs in [&["--out", "fit.json", "--report=r", "--rivals", "mine"][..], &["--rivals=mine"]] {
-            let Verb::Discover(verb) = of(&[&read[..], outputs].concat()).unwrap().verb else {
-                panic!("discover")
-            };
-            assert_eq!(verb.measured.data, Path::new("d.csv"));
-            assert_eq!((verb.out, verb.report.as_deref()), (None, Some(Path::new("own"))));
+        let read = ["discover", "--robot", "r.toml", "--data=d.csv", "--report", "r"];
+        for outputs in [&["--out", "fit.json", "--rivals", "mine"][..], &["--rivals=mine"]] {
+            let repeated = of(&[&read[..], outputs].concat()).unwrap();
+            let Verb::Discover(verb) = repeated.verb else { panic!("discover") };
+            assert_eq!(&*verb.measured.data, Path::new("d.csv"));
+            assert_eq!(repeated.report, Path::new("own/report"));
+            assert_eq!(verb.report.as_deref(), Some(Path::new("own/report")));
             assert_eq!(verb.rivals.as_deref(), Some(Path::new("own/rivals")));
+            assert!(verb.out.iter().all(|out| **out == *Path::new("own/out-fit.json")));
         }
-        let compensate = of(&["compensate", "--fit", "f", "--poses", "p", "--out", "q"]).unwrap();
-        let Verb::Compensate(verb) = compensate.verb else { panic!("compensate") };
-        assert_eq!(verb.out, Path::new("own/commands.csv"));
+        let words = ["compensate", "--fit", "f", "--poses", "p", "--out", "q", "--report=r"];
+        let Verb::Compensate(verb) = of(&words).unwrap().verb else { panic!("compensate") };
+        assert_eq!(&*verb.out, Path::new("own/out-q"));
     }
 
     #[test]
@@ -101,6 +84,7 @@ mod tests {
             unknown.starts_with("its arguments are not valid: unexpected argument '--write'"),
             "{unknown}"
         );
+        assert!(of(&["map", "--fit", "f", "--out", "q"]).unwrap_err().ends_with("no --report"));
         assert!(of(&["--help"]).is_err() && of(&["--version"]).is_err() && of(&[]).is_err());
     }
 }

@@ -1,5 +1,6 @@
 //! Writing a report's folder: page, figures, the result and what makes the run repeatable.
 
+use crate::args::{Input, OutputFolder};
 use crate::failure::Failure;
 use crate::terminal;
 use std::ffi::OsString;
@@ -19,20 +20,20 @@ pub struct Folder {
 
 impl Folder {
     /// Makes it and sees that files can be written there, before long work begins.
-    pub fn prepare(path: Option<&PathBuf>, result: &'static str) -> Result<Option<Self>, Failure> {
+    pub fn prepare(path: Option<&OutputFolder>, result: &'static str) -> Result<Option<Self>, Failure> {
         let Some(path) = path else { return Ok(None) };
         make_folder(path)?;
         for file in [result, "index.html", "summary.html", "run.json"] {
             check_writable(path.join(file))?;
         }
-        Ok(Some(Folder { path: path.clone(), result, certificate: None }))
+        Ok(Some(Folder { path: path.to_path_buf(), result, certificate: None }))
     }
 
     /// [`Folder::prepare`], with the head of the report of a file.
     pub fn with_head(
-        path: Option<&PathBuf>,
+        path: Option<&OutputFolder>,
         result: &'static str,
-        certificate: Option<&PathBuf>,
+        certificate: Option<&Input>,
     ) -> Result<Option<Self>, Failure> {
         let Some(folder) = Folder::prepare(path, result)? else { return Ok(None) };
         let own = certificate.map(read_details).transpose()?.and_then(|details| details.certificate);
@@ -40,7 +41,7 @@ impl Folder {
     }
 
     /// With the head of the report of the file of `--certificate`, which has to have one.
-    pub fn certified(self, file: Option<&PathBuf>) -> Result<Self, Failure> {
+    pub fn certified(self, file: Option<&Input>) -> Result<Self, Failure> {
         let Some(file) = file else { return Ok(self) };
         let Some(certificate) = read_details(file)?.certificate else {
             return Err(Failure::Input(format!(

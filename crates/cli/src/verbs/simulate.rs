@@ -1,6 +1,6 @@
 //! `truepose simulate`: measure a robot with real physics.
 
-use crate::args::Simulate;
+use crate::args::{NamedFile, Simulate};
 use crate::failure::Failure;
 use crate::terminal;
 use std::path::Path;
@@ -36,7 +36,7 @@ pub fn run(args: &Simulate) -> Result<(), Failure> {
     let folder = if args.plant.is_file() { args.plant.parent() } else { None };
     let robot = folder.unwrap_or_else(|| Path::new("")).join(&description.robot);
     let read = robot_files(&robot);
-    let read: Vec<_> = read.iter().map(|file| ("the plant's `robot`", file.as_path())).collect();
+    let read: Vec<_> = read.into_iter().map(|path| NamedFile::new("the plant's `robot`", path)).collect();
     super::files::kept("--out", &args.out, &read)?;
     args.truth.as_deref().map_or(Ok(()), |truth| super::files::kept("--truth", truth, &read))?;
     let surroundings = robot_surroundings(&robot)?;

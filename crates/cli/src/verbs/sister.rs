@@ -7,6 +7,7 @@ use crate::args::Identify;
 use crate::extensions::effects;
 use crate::failure::Failure;
 use crate::terminal;
+use crate::verdict::{FLEET, of_fleet};
 use std::path::Path;
 use truepose_errormodel::{Dataset, ErrorModel, FittedModel};
 use truepose_identify::{FitOptions, Folds, Split, fit, place};
@@ -38,6 +39,7 @@ pub fn run(args: &Identify, file: &Path) -> Result<(), Failure> {
     let (mut data, info, warnings) =
         read_measurements(&args.measured.data, &chain, &args.measured.reading()?)?;
     terminal::warn(&warnings);
+    terminal::warn(&remarks(file, &prior, &data));
     one(&info, &args.measured.data)?;
     if args.positions_only {
         data.orientation.fill(None);
@@ -64,6 +66,28 @@ pub fn run(args: &Identify, file: &Path) -> Result<(), Failure> {
     super::identified::require(args, summary.used_mm() * 1e-3)
 }
 
+/// What speaks against a prior: it is no fleet's, or these rows are in it.
+fn remarks(file: &Path, prior: &FittedModel, data: &Dataset) -> Vec<String> {
+    let mut all = Vec::new();
+    if !of_fleet(prior) {
+        let words = "is the fit of one robot, and no fleet's prior: its intervals are not the scatter from robot to robot";
+        all.push(format!("{}: {words}", file.display()));
+    }
+    let known = &prior.domain.sample.rows().joints;
+    let of = |row: usize| data.joints.iter().map(move |joint| joint[row].to_bits());
+    let count = known.first().map_or(0, Vec::len);
+    let seen: std::collections::BTreeSet<Vec<u64>> =
+        (0..count).map(|k| known.iter().map(|joint| joint[k].to_bits()).collect()).collect();
+    let rows = (0..data.len()).filter(|&row| seen.contains(&of(row).collect::<Vec<_>>())).count();
+    if rows > 0 {
+        all.push(format!(
+            "{}: {rows} of these rows are in the data of this fit: held-out figures are not of unseen poses",
+            file.display()
+        ));
+    }
+    all
+}
+
 /// The robot with its sisters as prior, or alone where they do not help.
 pub(crate) fn identified(
     prior: &FittedModel,
@@ -83,6 +107,8 @@ pub(crate) fn identified(
         (false, Some(alone)) => alone,
         _ => found.made.fitted.clone(),
     };
+    // A robot of its own, whatever it was pulled towards.
+    fitted.provenance.remove(FLEET);
     fitted.provenance.insert("prior_is_a_fleet".into(), found.helps().into());
     let summary = SisterSummary::new(&found, data);
     Ok((fitted, summary))

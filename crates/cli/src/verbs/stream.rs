@@ -7,6 +7,7 @@ use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::recorded::record_columns;
 use crate::terminal;
+use crate::verdict::FitVerdict;
 use crate::watch::Watch;
 use std::path::Path;
 use truepose_errormodel::{AnyEffect, Dataset, LANDMARK, SESSION};
@@ -65,6 +66,7 @@ pub fn identify(
         terminal::print(&summary.to_string());
     }
     if let Some(out) = &args.out {
+        FitVerdict::converged(found.fit.converged).record(&mut found.fit.fitted);
         let provenance = &mut found.fit.fitted.provenance;
         origin(provenance, &summary.solver, summary.rows);
         provenance.insert("structure_from_rows".into(), summary.sampled.into());

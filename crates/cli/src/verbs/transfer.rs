@@ -6,6 +6,7 @@ use crate::args::Transfer;
 use crate::extensions::effects;
 use crate::failure::Failure;
 use crate::terminal;
+use crate::verdict::{FitVerdict, usable};
 use crate::watch::Watch;
 use truepose_io::{check_writable, read_fit, read_measurements, write_fit};
 use truepose_report::TransferSummary;
@@ -14,7 +15,7 @@ use truepose_upkeep::{Installation, TransferOptions, transfer};
 /// Runs the verb.
 pub fn run(args: &Transfer, watch: &Watch) -> Result<(), Failure> {
     check_writable(&args.out)?;
-    let fitted = chosen(read_fit(&args.fit, effects())?, None, true)?;
+    let fitted = chosen(usable(&args.fit, read_fit(&args.fit, effects())?, args.accept.accept)?, None, true)?;
     let (data, info, warnings) =
         read_measurements(&args.data, fitted.chain(), &args.grouped.measured_for(&fitted))?;
     terminal::warn(&warnings);
@@ -24,11 +25,19 @@ pub fn run(args: &Transfer, watch: &Watch) -> Result<(), Failure> {
     let options = TransferOptions { installation, update: args.update };
     let mut made = transfer(&fitted, &data, options)
         .map_err(|error| Failure::Input(format!("{}: {error}", args.data.display())))?;
+    let summary = TransferSummary::new(&made, &data);
+    FitVerdict { fits: summary.arm.fits, ..FitVerdict::converged(true) }.record(&mut made.fitted);
     let provenance = &mut made.fitted.provenance;
     provenance.insert("transferred".into(), true.into());
     provenance.insert("transfer_updated_the_arm".into(), args.update.into());
     provenance.insert("transfer_rows".into(), data.len().into());
     write_fit(&args.out, &made.fitted)?;
-    let summary = TransferSummary::new(&made, &data);
-    told(&summary, args.json, &args.out)
+    told(&summary, args.json, &args.out)?;
+    match summary.arm.fits {
+        Some(false) if !args.accept.accept => Err(Failure::Criterion(format!(
+            "the arm as identified does not fit in this installation; {} says so, and verbs refuse it without --accept",
+            args.out.display()
+        ))),
+        _ => Ok(()),
+    }
 }

@@ -1,8 +1,7 @@
 //! `truepose verify`: repeat a run from its record, and compare.
 
-use super::files::named;
 use super::repeated::Repeated;
-use crate::args::Verify;
+use crate::args::{NamedFile, Verify};
 use crate::failure::Failure;
 use crate::terminal;
 use crate::watch::Watch;
@@ -33,8 +32,7 @@ pub fn run(args: &Verify, watch: &Watch) -> Result<(), Failure> {
         let words = format!("the result of this run is `{}`, not `{}`", repeated.result, record.result.file);
         return Err(Failure::Input(format!("{file}: {words}")));
     }
-    let (read, _) = named(&repeated.verb);
-    for (option, path) in read {
+    for NamedFile { option, path, .. } in &repeated.files.read {
         if !record.inputs.iter().any(|input| Path::new(&input.file) == path) {
             let words = format!("`{}`, which {option} reads, is not among the inputs", path.display());
             return Err(Failure::Input(format!("{file}: {words}")));
@@ -58,7 +56,7 @@ pub fn run(args: &Verify, watch: &Watch) -> Result<(), Failure> {
     if file_digest(&then)?.1 != record.result.sha256 {
         return Err(Failure::Criterion(format!("{} was changed since the run", then.display())));
     }
-    let differences = repeat(repeated, own.path(), &then, watch)?;
+    let differences = repeat(&repeated, &then, watch)?;
     if differences.is_empty() {
         terminal::print(&format!(
             "{}: reproduced ({} unchanged)\n",
@@ -85,11 +83,11 @@ fn no_record(file: &Path, error: &serde_json::Error) -> String {
 }
 
 /// Runs the recorded verb again, with its outputs in an empty folder of our own, and lists what differs.
-fn repeat(repeated: Repeated, own: &Path, then: &Path, watch: &Watch) -> Result<Vec<String>, Failure> {
+fn repeat(repeated: &Repeated, then: &Path, watch: &Watch) -> Result<Vec<String>, Failure> {
     watch.doing("repeating the run");
-    let now = own.join(repeated.result);
+    let now = repeated.report.join(repeated.result);
     // Its findings so far are of no use to anyone: a watch of its own keeps them from being written where the run is ended.
-    let done = terminal::silently(|| super::run(&repeated.verb, &Watch::default()));
+    let done = terminal::silently(|| super::run(&repeated.verb, &repeated.files, &Watch::default()));
     // A requirement that is not met ends a run after its result was written.
     if let (Err(Failure::Input(message)), _) | (Err(Failure::Criterion(message)), false) =
         (done, now.is_file())

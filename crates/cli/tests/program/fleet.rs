@@ -38,6 +38,17 @@ fn a_fleet_is_the_prior_of_its_next_robot() {
         told.out
     );
     folder.run(&["predict", "--fit", "fit.json", "--data", "data.csv", "--out", "p.csv"]).ended(0);
+    // A prior is no robot, and no member of a fleet.
+    for verb in [
+        &["predict", "--fit", "prior.json", "--data", "data.csv", "--out", "p.csv"][..],
+        &["export", "--fit", "prior.json", "--format", "urdf", "--out", "x.urdf"],
+        &["monitor", "--fit", "prior.json", "--data", "data.csv"],
+        &["compensate", "--fit", "prior.json", "--joints", "data.csv", "--out", "p.csv"],
+        &["fleet", "prior.json", words[0], words[1], words[2], "--out", "more.json"],
+    ] {
+        let log = folder.run(verb).ended(2).log;
+        assert!(log.contains("prior.json: is a fleet's prior, and no robot"), "{log}");
+    }
     let again = folder.read("fit.json");
     folder.run(&identify).ended(0);
     assert_eq!(folder.read("fit.json"), again);
@@ -51,6 +62,9 @@ fn what_is_no_fleet_is_refused_and_nothing_is_written_over() {
     assert!(log.contains("2 fits are no fleet") && !folder.file("prior.json").exists(), "{log}");
     let log = folder.run(&["fleet", &own, &own, &own, &own, "--out", &own]).ended(2).log;
     assert!(log.contains(&own), "{log}");
+    // One robot four times is one robot.
+    let log = folder.run(&["fleet", &own, &own, &own, &own, "--out", "prior.json"]).ended(2).log;
+    assert!(log.contains("fits 1 and 2 are the same fit") && !folder.file("prior.json").exists(), "{log}");
     let identify = |more: &[&str]| {
         let words = ["identify", "--robot", "robot.toml", "--data", "data.csv"];
         folder.run(&[&words, more].concat()).ended(2).log

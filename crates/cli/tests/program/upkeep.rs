@@ -30,7 +30,12 @@ fn looks_at_a_robot_share_one_error_rate_and_a_change_has_its_exit_code() {
         "{}",
         first.out
     );
-    let second = folder.run(&look).ended(0);
+    // The same file is no second look.
+    let same = folder.run(&look).ended(2).log;
+    assert!(same.contains("check 1 of the history (`today.csv`) is of these measurements"), "{same}");
+    simulated(&folder, "tomorrow.csv", "seed = 3", "seed = 3");
+    let later = ["monitor", "--fit", "fit.json", "--data", "tomorrow.csv", "--history", "looks.json"];
+    let second = folder.run(&later).ended(0);
     assert!(second.out.contains("level of this look 0.0017 (look 2"), "{}", second.out);
     // Another robot of the same type.
     simulated(&folder, "other.csv", "seed = 3", "seed = 4");
@@ -75,6 +80,27 @@ fn an_arm_is_carried_into_another_installation() {
     folder.write("few.csv", &(few.join("\n") + "\n"));
     let made =
         folder.run(&["transfer", "--fit", "fit.json", "--data", "few.csv", "--out", "moved.json"]).ended(0);
+    // A mirrored instrument: the file says that the arm does not fit, and verbs refuse it.
+    let mirrored: Vec<String> = few
+        .iter()
+        .enumerate()
+        .map(|(k, line)| {
+            let y = few[0].split(',').position(|name| name.starts_with("y[")).unwrap();
+            let turned = |(j, cell): (usize, &str)| match j == y && k > 0 {
+                true => (-cell.parse::<f64>().unwrap()).to_string(),
+                false => cell.to_owned(),
+            };
+            line.split(',').enumerate().map(turned).collect::<Vec<_>>().join(",")
+        })
+        .collect();
+    folder.write("mirrored.csv", &(mirrored.join("\n") + "\n"));
+    let wrong = ["transfer", "--fit", "fit.json", "--data", "mirrored.csv", "--out", "wrong.json"];
+    folder.run(&wrong).ended(1);
+    let predict = ["predict", "--fit", "wrong.json", "--data", "few.csv", "--out", "p.csv"];
+    let refused = folder.run(&predict).ended(2).log;
+    assert!(refused.contains("wrong.json: this fit is not to be relied on"), "{refused}");
+    let marked = folder.run(&[&predict[..], &["--accept"]].concat()).ended(0).log;
+    assert!(marked.contains("warning: wrong.json: this fit is not to be relied on"), "{marked}");
     assert!(made.out.contains("The arm as identified fits in this installation"), "{}", made.out);
     assert!(made.out.contains("Found: base.") && made.out.contains("Measure next: j1 "), "{}", made.out);
     let error = |fit: &str| {

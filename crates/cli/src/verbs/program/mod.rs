@@ -9,10 +9,11 @@ mod rows;
 use super::print_json;
 use super::reporting::Folder;
 use super::sessions::chosen;
-use crate::args::Compensate;
+use crate::args::{Compensate, NamedFile};
 use crate::extensions::effects;
 use crate::failure::Failure;
 use crate::terminal;
+use crate::verdict::usable;
 pub(crate) use asked::Asked;
 use outputs::outputs;
 pub(crate) use rewriting::{Rewritten, rewrite};
@@ -32,11 +33,16 @@ pub fn table_of(out: &Path) -> PathBuf {
 }
 
 /// Runs it; `read` are the files that it reads, with their options.
-pub fn run(args: &Compensate, file: &Path, read: &[(&str, &Path)]) -> Result<(), Failure> {
+pub fn run(args: &Compensate, file: &Path, read: &[NamedFile]) -> Result<(), Failure> {
     check_writable(&args.out)?;
     check_writable(table_of(&args.out))?;
     let folder = Folder::with_head(args.report.as_ref(), "compensation.json", args.certificate.as_ref())?;
-    let fitted = chosen(read_fit(&args.fit, effects())?, args.session.as_deref(), false)?.of_robot();
+    let fitted = chosen(
+        usable(&args.fit, read_fit(&args.fit, effects())?, args.accept.accept)?,
+        args.session.as_deref(),
+        false,
+    )?
+    .of_robot();
     let own = &args.robot_program;
     let asked = Asked { own, frame: &args.frame, tcp: &args.tcp, frames: args.frames.as_deref() };
     let made = rewrite(&fitted, file, &asked)?;
@@ -48,8 +54,7 @@ pub fn run(args: &Compensate, file: &Path, read: &[(&str, &Path)]) -> Result<(),
     }
     if let Some(folder) = &folder {
         let inputs = [Some(&args.fit), own.program.as_ref(), args.frames.as_ref(), args.certificate.as_ref()];
-        let inputs: Vec<&Path> =
-            inputs.into_iter().flatten().chain(&own.with).map(PathBuf::as_path).collect();
+        let inputs: Vec<&Path> = inputs.into_iter().flatten().chain(&own.with).map(|file| &**file).collect();
         folder.add(&mut files, &made.view, &inputs, |run| Ok(program_report(&made.view, run)))?;
     }
     files.finish()?;

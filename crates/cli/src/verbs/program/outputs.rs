@@ -3,6 +3,7 @@
 use super::rewriting::RewrittenFile;
 use super::rows::short;
 use super::table_of;
+use crate::args::NamedFile;
 use crate::failure::Failure;
 use std::path::{Path, PathBuf};
 use truepose_io::{check_writable, same_file};
@@ -15,7 +16,7 @@ use truepose_io::{check_writable, same_file};
 pub(super) fn outputs(
     out: &Path,
     files: &[RewrittenFile],
-    read: &[(&str, &Path)],
+    read: &[NamedFile],
 ) -> Result<Vec<PathBuf>, Failure> {
     let mut places = vec![out.to_path_buf()];
     let program = files.first().map(|first| first.file.clone()).unwrap_or_default();
@@ -23,7 +24,8 @@ pub(super) fn outputs(
         let place = place(out, &program, &part.file);
         for written in [place.clone(), table_of(&place)] {
             let with = part.file.display();
-            if let Some((option, _)) = read.iter().find(|(_, other)| same_file(&written, other)) {
+            if let Some(NamedFile { option, .. }) = read.iter().find(|other| same_file(&written, &other.path))
+            {
                 return Err(Failure::Input(format!(
                     "--out: points of `{with}` are compensated, too, and `{}`, to which they would be written, is what \
                      {option} reads; write into another folder, as in --out NEW/{}",

@@ -48,7 +48,7 @@ pub(crate) fn rewrite(fitted: &FittedModel, file: &Path, asked: &Asked<'_>) -> R
         Some(dialect) => dialect,
         None => Dialect::of_file(file).map_err(|error| about(file, error))?,
     };
-    let paths: Vec<&Path> = std::iter::once(file).chain(own.with.iter().map(PathBuf::as_path)).collect();
+    let paths: Vec<&Path> = std::iter::once(file).chain(own.with.iter().map(AsRef::as_ref)).collect();
     let texts: Vec<Vec<u8>> = paths.iter().map(read_bytes).collect::<Result<_, _>>()?;
     let slices: Vec<&[u8]> = texts.iter().map(Vec::as_slice).collect();
     let programs = Program::read_all(&slices, dialect).map_err(|(k, error)| about(paths[k], error))?;
