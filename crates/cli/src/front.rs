@@ -14,7 +14,10 @@ use crate::library::{Known, ROBOTS};
 use crate::recorded;
 use crate::verbs::expected::Expected;
 use crate::verbs::export::{Wanted, text};
-use crate::verbs::{beyond, compensate, discover, folds, identified, parameters, predict, sessions, sister};
+use crate::verbs::{
+    beyond, compensate, discover, folds, identified, parameters, predict, sessions, sister, transfer,
+};
+use crate::verdict::{self, FitVerdict};
 use clap::ValueEnum;
 use std::path::Path;
 use truepose_compensate::{Command, CompensateError, ExportOptions};
@@ -23,25 +26,43 @@ use truepose_errormodel::{Coverage, Dataset, FittedModel, ModelError};
 use truepose_identify::Split;
 use truepose_io::{ColumnMap, CsvInfo, ExportUnits, NamedFrame, Poses, Prediction, RobotDetails};
 use truepose_kinematics::{Chain, TargetId};
-use truepose_report::{ParametersSummary, SisterSummary};
+use truepose_report::{
+    DiscoverySummary, IdentificationSummary, ParametersSummary, SisterSummary, StreamedSummary,
+    TransferSummary,
+};
 use truepose_solvers::Solver;
 
-/// Records in a fit that `identify` made it: with this solver, of so many rows, with this seed; `held_out` where a test set was drawn first.
-pub fn identified(fitted: &mut FittedModel, solver: &str, rows: usize, seed: u64, held_out: bool) {
-    identified::origin(&mut fitted.provenance, solver, rows);
-    fitted.provenance.insert("seed".into(), seed.into());
-    fitted.provenance.insert("structure_frozen_then_all_rows".into(), held_out.into());
+/// Records in a fit that `identify` made it with this seed, and what is to be known of it; `held_out` where a test set was drawn first.
+pub fn identified(fitted: &mut FittedModel, summary: &IdentificationSummary, seed: u64, held_out: bool) {
+    identified::whole(fitted, summary, seed, held_out);
 }
 
-/// Records in a fit that `identify --stream` made it, its structure from so many rows.
-pub fn streamed(fitted: &mut FittedModel, solver: &str, rows: usize, sampled: usize) {
-    identified::origin(&mut fitted.provenance, solver, rows);
-    fitted.provenance.insert("structure_from_rows".into(), sampled.into());
+/// Records in a fit that `identify --stream` made it, and what is to be known of it.
+pub fn streamed(fitted: &mut FittedModel, summary: &StreamedSummary, converged: bool) {
+    identified::streamed(fitted, summary, converged);
 }
 
 /// Records in a fit that `discover` made it; `all_rows` where its coefficients are those of all rows.
 pub fn discovered(fitted: &mut FittedModel, solver: &str, rows: usize, seed: u64, all_rows: bool) {
     discover::Origin { solver: solver.into(), rows, seed }.write(fitted, all_rows);
+}
+
+/// Records in a fit what is to be known of it after a completed search.
+pub fn verdict_of_search(fitted: &mut FittedModel, summary: &DiscoverySummary, converged: bool) {
+    FitVerdict::discovered(summary, converged).record(fitted);
+}
+
+/// Records in a transferred fit where it comes from, and whether the arm fits there.
+pub fn transferred(made: &mut FittedModel, summary: &TransferSummary, update: bool, rows: usize) {
+    transfer::record(made, summary, update, rows);
+}
+
+/// Warnings about a fit that is used.
+///
+/// # Errors
+/// When it does not fit its own measurements, or predicts unseen poses worse than base and tool alone, and is not accepted all the same.
+pub fn marks(fitted: &FittedModel, accepted: bool) -> Result<Vec<String>, String> {
+    verdict::marks(fitted, accepted)
 }
 
 /// Records units and frames of a robot's description in a fit.

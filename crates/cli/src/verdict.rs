@@ -5,6 +5,7 @@ use crate::terminal;
 use serde_json::{Value, json};
 use std::path::Path;
 use truepose_errormodel::FittedModel;
+use truepose_report::{DiscoverySummary, IdentificationSummary, Verdict};
 
 /// Where a fit has it.
 const KEY: &str = "verdict";
@@ -29,6 +30,26 @@ impl FitVerdict {
     /// Of a fit of which only this is known.
     pub fn converged(converged: bool) -> Self {
         FitVerdict { converged, fits: None, contradicted: false, failed: None }
+    }
+
+    /// Of an identification.
+    pub fn identified(summary: &IdentificationSummary) -> Self {
+        let unseen = |name: &str| {
+            let stage = summary.stages.iter().find(|stage| stage.name.starts_with(name))?;
+            Some(stage.test_set.or(stage.held_out)?.rms_mm)
+        };
+        let worse = unseen("base and tool").zip(unseen("declared model"));
+        FitVerdict {
+            contradicted: worse.is_some_and(|(alone, declared)| declared > alone),
+            failed: summary.specification.as_ref().map(|of| of.verdict == Verdict::Fail),
+            ..FitVerdict::converged(summary.converged)
+        }
+    }
+
+    /// Of a search.
+    pub fn discovered(summary: &DiscoverySummary, converged: bool) -> Self {
+        let failed = summary.specification.as_ref().map(|of| of.verdict == Verdict::Fail);
+        FitVerdict { failed, ..FitVerdict::converged(converged) }
     }
 
     /// Records it in a fit.
@@ -78,6 +99,19 @@ pub(crate) fn of_fleet(fitted: &FittedModel) -> bool {
     fitted.provenance.contains_key(FLEET)
 }
 
+/// Warnings about a fit that is used.
+///
+/// # Errors
+/// When it does not fit, and is not accepted all the same.
+pub(crate) fn marks(fitted: &FittedModel, accepted: bool) -> Result<Vec<String>, String> {
+    const RELY: &str = "this fit is not to be relied on";
+    let against = against(fitted);
+    if !against.is_empty() && !accepted {
+        return Err(format!("{RELY}: {}. Measure again and identify", against.join("; ")));
+    }
+    Ok(against.into_iter().chain(doubts(fitted)).map(|words| format!("{RELY}: {words}")).collect())
+}
+
 /// A fit for use as that of a robot; `accept` where the user insists on one that does not fit.
 ///
 /// # Errors
@@ -87,19 +121,9 @@ pub(crate) fn usable(file: &Path, fitted: FittedModel, accept: bool) -> Result<F
         let words = "is a fleet's prior, and no robot; give it to `truepose identify --prior`";
         return Err(Failure::Input(format!("{}: {words}", file.display())));
     }
-    let against = against(&fitted);
-    if !against.is_empty() && !accept {
-        let words = against.join("; ");
-        return Err(Failure::Input(format!(
-            "{}: this fit is not to be relied on: {words}. Measure again and identify, or insist with --accept",
-            file.display()
-        )));
-    }
-    let marks: Vec<String> = against
-        .into_iter()
-        .chain(doubts(&fitted))
-        .map(|words| format!("{}: this fit is not to be relied on: {words}", file.display()))
-        .collect();
+    let marks = marks(&fitted, accept)
+        .map_err(|words| Failure::Input(format!("{}: {words}, or insist with --accept", file.display())))?;
+    let marks: Vec<String> = marks.iter().map(|words| format!("{}: {words}", file.display())).collect();
     terminal::warn(&marks);
     Ok(fitted)
 }

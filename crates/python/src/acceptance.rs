@@ -70,7 +70,7 @@ pub fn iso9283(
     }
     let limits = spec.iter().map(limit).collect::<PyResult<Vec<_>>>()?;
     // Errors of instrument and log are none of the robot.
-    let fitted = fit.map(|fit| Ok::<_, PyErr>((*fit.one()?).clone().of_robot())).transpose()?;
+    let fitted = fit.map(|fit| Ok::<_, PyErr>((*fit.usable(py)?.one()?).clone().of_robot())).transpose()?;
     let (chain, rows, name) = (robot.chain.clone(), data.data.clone(), data.name());
     let raised = fit.map(|fit| fit.raised.clone()).into_iter().collect();
     supervised(py, None, raised, move |_| {

@@ -49,6 +49,7 @@ impl Discovery {
             source: Source::Discovered(Box::new((self.found.fit.clone(), self.found.data.clone()))),
             objects: self.objects.iter().map(|object| object.clone_ref(py)).collect(),
             raised: self.raised.clone(),
+            accepted: false,
         })
     }
 
@@ -60,6 +61,7 @@ impl Discovery {
                 source: Source::Discovered(Box::new((rival.fit.clone(), self.found.data.clone()))),
                 objects: self.objects.iter().map(|object| object.clone_ref(py)).collect(),
                 raised: self.raised.clone(),
+                accepted: false,
             };
             (rival.finding, rival.candidate.words(), fit)
         };

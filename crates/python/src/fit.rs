@@ -12,6 +12,7 @@ use crate::table::Table;
 use numpy::PyArray2;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use std::ffi::CString;
 use std::path::PathBuf;
 use std::sync::Arc;
 use truepose_cli::front;
@@ -39,6 +40,8 @@ pub struct Fit {
     pub source: Source,
     pub objects: Vec<Py<PyAny>>,
     pub raised: Raised,
+    /// Whether it is used although it does not fit.
+    pub accepted: bool,
 }
 
 impl Fit {
@@ -48,6 +51,18 @@ impl Fit {
             Source::Discovered(found) => Some(&found.0),
             Source::Loaded | Source::Other(..) => None,
         }
+    }
+
+    /// This fit, with warnings about it; refused where it does not fit and is not accepted all the same.
+    pub fn usable(&self, py: Python<'_>) -> PyResult<&Self> {
+        let class = py.import("truepose")?.getattr("TrueposeWarning")?;
+        let marks = front::marks(&self.fitted, self.accepted)
+            .map_err(|words| input(format!("{words}, or insist with accept()")))?;
+        for words in marks {
+            let words = CString::new(words).map_err(input)?;
+            PyErr::warn(py, &class, &words, 2)?;
+        }
+        Ok(self)
     }
 
     /// The fit in its only installation; refuses one of several.
@@ -76,7 +91,13 @@ impl Fit {
     /// Another fit with the effects of this one.
     pub fn with(&self, py: Python<'_>, fitted: FittedModel, source: Source) -> Self {
         let objects = self.objects.iter().map(|object| object.clone_ref(py)).collect();
-        Fit { fitted: Arc::new(fitted), source, objects, raised: self.raised.clone() }
+        Fit {
+            fitted: Arc::new(fitted),
+            source,
+            objects,
+            raised: self.raised.clone(),
+            accepted: self.accepted,
+        }
     }
 
     /// What Python code raised meanwhile, else the result.
@@ -87,7 +108,7 @@ impl Fit {
     fn loaded(fitted: FittedModel, raised: Raised, py: Python<'_>) -> Self {
         let objects =
             of_python(fitted.model().effects()).map(|effect| effect.object().clone_ref(py)).collect();
-        Fit { fitted: Arc::new(fitted), source: Source::Loaded, objects, raised }
+        Fit { fitted: Arc::new(fitted), source: Source::Loaded, objects, raised, accepted: false }
     }
 }
 
@@ -135,6 +156,12 @@ impl Fit {
     fn in_session(&self, py: Python<'_>, name: &str) -> PyResult<Self> {
         let made = front::in_session(&self.fitted, name).map_err(input)?;
         Ok(self.with(py, made, Source::Loaded))
+    }
+
+    /// The same fit, used although it does not fit.
+    fn accept(&self, py: Python<'_>) -> Self {
+        let fitted = (*self.fitted).clone();
+        Fit { accepted: true, ..self.with(py, fitted, Source::Loaded) }
     }
 
     fn robot(&self) -> Robot {
@@ -249,6 +276,7 @@ impl Fit {
 
     /// Predicts rows: columns of the file of predictions, without what it repeats of the input; and warnings.
     fn predict<'py>(&self, py: Python<'py>, data: &Data) -> PyResult<(Bound<'py, PyDict>, Vec<String>)> {
+        self.usable(py)?;
         if data.info.sessions.is_empty() {
             self.one()?;
         }
@@ -273,7 +301,7 @@ impl Fit {
 
     /// Commands for desired poses; and warnings.
     fn compensate<'py>(&self, py: Python<'py>, poses: &Table) -> PyResult<(Bound<'py, PyDict>, Vec<String>)> {
-        let fitted = (*self.one()?).clone().of_robot();
+        let fitted = (*self.usable(py)?.one()?).clone().of_robot();
         let chain = fitted.chain();
         let (mut poses, _, said) =
             poses_in_memory(poses.table.clone(), chain, &front::recorded_columns(&fitted)).map_err(of_io)?;
@@ -316,7 +344,7 @@ impl Fit {
         hayati: bool,
         entries: usize,
     ) -> PyResult<(String, Vec<String>)> {
-        let fitted = self.first()?;
+        let fitted = self.usable(py)?.first()?;
         let chain = fitted.chain();
         let target = target
             .map(|name| {

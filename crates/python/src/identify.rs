@@ -102,13 +102,13 @@ pub fn identify(
         };
         front::record_details(&mut used, &details);
         front::record_columns(&mut used, &info.map);
-        front::identified(&mut used, &solver_text, data.len(), seed, holdout.is_some());
+        front::identified(&mut used, &summary, seed, holdout.is_some());
         let labels = info.visit_labels.clone();
         let data = campaign.map_or(rows, |campaign| Arc::new(campaign.data().clone()));
         Ok((Identified { found, data, labels, summary }, used, remarks))
     })?;
     let source = Source::Identified(Box::new(made));
-    Ok((Fit { fitted: Arc::new(used), source, objects, raised }, remarks))
+    Ok((Fit { fitted: Arc::new(used), source, objects, raised, accepted: false }, remarks))
 }
 
 fn words(step: Step) -> &'static str {

@@ -31,7 +31,8 @@ pub fn plan<'py>(
     seed: u64,
 ) -> PyResult<(Bound<'py, PyDict>, String, String)> {
     let options = options(count, (&loads, com), pool, seed)?;
-    let (fitted, rival) = (fit.first()?, rival.map(|rival| rival.first()).transpose()?);
+    let (fitted, rival) =
+        (fit.usable(py)?.first()?, rival.map(|rival| rival.usable(py)?.first()).transpose()?);
     let goals = at.map(|data| data.data.clone());
     let made = supervised(py, None, vec![fit.raised.clone()], move |_| {
         let goals = match &goals {
@@ -74,7 +75,7 @@ pub fn plan_observed<'py>(
     seed: u64,
 ) -> PyResult<(Bound<'py, PyDict>, String, String)> {
     let options = options(count, (&loads, com), pool, seed)?;
-    let (fitted, surroundings) = (fit.first()?, robot.beside.surroundings.clone());
+    let (fitted, surroundings) = (fit.usable(py)?.first()?, robot.beside.surroundings.clone());
     let goals = at.map(|data| data.data.clone());
     let (visits, summary) = supervised(py, None, vec![fit.raised.clone()], move |_| {
         let goals = match &goals {

@@ -61,7 +61,7 @@ pub fn rewrite<'py>(
     if !(limit.is_finite() && limit > 0.0) {
         return Err(input(format!("limit: {limit} is no length above 0, in m")));
     }
-    let fitted = fit.one()?;
+    let fitted = fit.usable(py)?.one()?;
     let options = Rewriting {
         with: with_,
         language,

@@ -246,6 +246,7 @@ impl Asked {
         if let Ok(found) = as_found(&found.placement, &found.data, &FitOptions::default()) {
             summary.as_found = Some(found.into());
         }
+        front::verdict_of_search(&mut used, &summary, found.fit.converged);
         self.record(&mut used, rows.len(), true);
         let rows = campaign.map_or_else(|| self.rows.clone(), |campaign| Arc::new(campaign.data().clone()));
         Ok((found, summary, used, rows, remarks))

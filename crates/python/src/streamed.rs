@@ -112,12 +112,14 @@ impl Streaming {
         let run = self.run.lock().unwrap_or_else(PoisonError::into_inner).clone();
         let mut found = run.finish(&judged).map_err(input)?;
         let summary = StreamedSummary::new(&found, &self.solver);
-        front::streamed(&mut found.fit.fitted, &summary.solver, summary.rows, summary.sampled);
+        let converged = found.fit.converged;
+        front::streamed(&mut found.fit.fitted, &summary, converged);
         Ok(Fit {
             fitted: Arc::new(found.fit.fitted),
             source: Source::Other(serde_json::to_string(&summary).map_err(input)?, summary.to_string()),
             objects: self.objects.iter().map(|object| object.clone_ref(py)).collect(),
             raised: self.raised.clone(),
+            accepted: false,
         })
     }
 }

@@ -29,15 +29,12 @@ pub fn transfer(
 ) -> PyResult<Fit> {
     let installation = Installation { base: true, tool, targets };
     data.plain()?;
-    let (fitted, rows) = (fit.first()?, data.data.clone());
+    let (fitted, rows) = (fit.usable(py)?.first()?, data.data.clone());
     let (made, json, text) = supervised(py, None, vec![fit.raised.clone()], move |_| {
         let options = TransferOptions { installation, update };
         let mut made = transferred(&fitted, &rows, options).map_err(input)?;
-        let provenance = &mut made.fitted.provenance;
-        provenance.insert("transferred".into(), true.into());
-        provenance.insert("transfer_updated_the_arm".into(), update.into());
-        provenance.insert("transfer_rows".into(), rows.len().into());
         let summary = TransferSummary::new(&made, &rows);
+        front::transferred(&mut made.fitted, &summary, update, rows.len());
         Ok((made, serde_json::to_string(&summary).map_err(input)?, summary.to_string()))
     })?;
     Ok(fit.with(py, made.fitted, Source::Other(json, text)))
@@ -58,7 +55,8 @@ pub fn monitor(
     targets: bool,
 ) -> PyResult<(bool, String, String)> {
     data.plain()?;
-    let (fitted, rows) = (if base { fit.first()? } else { fit.one()? }, data.data.clone());
+    let (fitted, rows) =
+        (if base { fit.usable(py)?.first()? } else { fit.usable(py)?.one()? }, data.data.clone());
     supervised(py, None, vec![fit.raised.clone()], move |_| {
         let options = MonitorOptions { alpha, looks, installation: Installation { base, tool, targets } };
         let seen = monitored(&fitted, &rows, options).map_err(input)?;
@@ -70,7 +68,7 @@ pub fn monitor(
 /// What fits of robots of one type have in common, as prior for the next one.
 #[pyfunction]
 pub fn fleet(py: Python<'_>, fits: Vec<PyRef<'_, Fit>>) -> PyResult<Fit> {
-    let all = fits.iter().map(|fit| Ok((*fit.first()?).clone())).collect::<PyResult<Vec<_>>>()?;
+    let all = fits.iter().map(|fit| Ok((*fit.usable(py)?.first()?).clone())).collect::<PyResult<Vec<_>>>()?;
     let mut made = py.detach(|| fleet_of(&all)).map_err(input)?;
     made.prior.provenance.insert("fleet_of".into(), made.robots.into());
     let summary = FleetSummary::new(&made);
@@ -115,7 +113,7 @@ pub fn monitoring<'py>(
     count: usize,
     alpha: f64,
 ) -> PyResult<(Bound<'py, PyDict>, String)> {
-    let fitted = fit.first()?;
+    let fitted = fit.usable(py)?.first()?;
     let made = supervised(py, None, vec![fit.raised.clone()], {
         let fitted = fitted.clone();
         move |_| check_poses(&fitted, count, alpha).map_err(input)

@@ -125,6 +125,15 @@ def test_simulate_transfer_monitor(example: Path) -> None:
     look = tp.monitor(fit, few)
     assert look.changed is False and "p" in str(look)
     assert tp.monitor(fit, table).changed is True
+    # An arm that does not fit there is refused until it is accepted, in a file as in memory.
+    wrong = tp.transfer(fit, table | {"y[m]": -table["y[m]"]})
+    assert wrong.summary["arm"]["fits"] is False
+    again = tp.Fit.from_json(wrong.to_json())
+    for refused in (wrong, again):
+        with pytest.raises(tp.InputError, match="not to be relied on: it does not fit"):
+            refused.predict(few)
+        with pytest.warns(tp.TrueposeWarning, match="not to be relied on"):
+            refused.accept().predict(few)
 
 
 def test_progress_is_called(robot: tp.Robot, frame: pd.DataFrame, capsys: pytest.CaptureFixture[str]) -> None:

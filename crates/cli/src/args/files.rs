@@ -1,6 +1,5 @@
 //! Files as types of arguments: what a verb reads and writes is collected from what was parsed, so that no argument can be forgotten.
 
-use super::Prior;
 use clap::builder::{PathBufValueParser, TypedValueParser, ValueParser, ValueParserFactory};
 use clap::{Arg, ArgMatches, Command};
 use std::any::{Any, TypeId};
@@ -51,6 +50,25 @@ file! {
 file! {
     /// A file that is read where it exists, and written again.
     Record
+}
+
+/// What coefficients are shrunk towards.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Prior {
+    /// Expected sizes, so strongly.
+    Sizes(truepose_identify::PriorStrength),
+    /// The robots of a fleet, in this file.
+    Fleet(Input),
+}
+
+impl Prior {
+    /// How strongly expected sizes count where there is no fleet.
+    pub fn strength(&self) -> truepose_identify::PriorStrength {
+        match self {
+            Prior::Sizes(strength) => *strength,
+            Prior::Fleet(_) => truepose_identify::PriorStrength::VarianceGroups,
+        }
+    }
 }
 
 impl ValueParserFactory for Input {
@@ -228,7 +246,7 @@ mod tests {
             for argument in verb.get_arguments() {
                 let of = argument.get_value_parser().type_id();
                 let names = argument.get_value_names().unwrap_or_default();
-                let named = names.iter().any(|name| ["FILE", "DIR", "FIT", "PATH"].contains(&name.as_str()));
+                let named = names.iter().any(|name| ["FILE", "DIR", "FIT"].contains(&name.as_str()));
                 let typed = types.iter().any(|known| of == *known);
                 let (verb, argument) = (verb.get_name(), name(argument));
                 assert!(of != TypeId::of::<PathBuf>(), "{verb} {argument}: a path is Input or Output");

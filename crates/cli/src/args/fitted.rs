@@ -110,7 +110,7 @@ pub enum PlannedTest {
 /// Whether the user insists.
 #[derive(Debug, Default, clap::Args)]
 pub struct Accept {
-    /// Use a fit that its own run found not to fit; the output says so
+    /// Use a fit that its own run found not to fit; the output states it
     #[arg(long, requires = "fit")]
     pub accept: bool,
 }

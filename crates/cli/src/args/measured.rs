@@ -1,8 +1,8 @@
 //! Options of the verbs that fit measurements: identify, discover, compare.
 
-use super::files::{Input, Output, OutputFolder};
+use super::files::{Input, Output, OutputFolder, Prior};
 use super::values::{
-    Prior, parse_count, parse_fraction, parse_length, parse_prior, parse_prior_or_fleet, parse_whole,
+    parse_count, parse_fraction, parse_length, parse_prior, parse_prior_or_fleet, parse_whole,
 };
 use super::{Grouped, Robot};
 use crate::extensions::SolverChoice;

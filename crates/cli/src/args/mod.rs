@@ -11,7 +11,7 @@ mod upkeep;
 mod values;
 
 pub use acceptance::{FramesFrom, Iso9283};
-pub use files::{Files, Input, NamedFile, OutputFolder};
+pub use files::{Files, Input, NamedFile, OutputFolder, Prior};
 pub use fitted::{Accept, Compensate, Export, ExportFormat, Map, Plan, PlannedTest, Predict, YamlStyle};
 pub use grouped::{Grouped, NamedColumns};
 pub use measured::{Compare, Discover, Identify, Measured, SplitKind};
@@ -21,7 +21,7 @@ pub use other::{Check, Completions, Effects, Init, Simulate, Verify};
 pub(crate) use program::parse_given;
 pub use program::{GivenPlace, RobotProgram};
 pub use upkeep::{Fleet, Monitor, Transfer};
-pub use values::{Place, Prior, Units};
+pub use values::{Place, Units};
 
 use clap::{Arg, ArgMatches, Command, CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::path::Path;
@@ -63,7 +63,6 @@ impl Args {
     }
 
     /// The command line, for completions and the manual page.
-    #[cfg(feature = "completions")]
     pub fn whole() -> Command {
         negative(Args::command())
     }

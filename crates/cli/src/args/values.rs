@@ -1,6 +1,6 @@
 //! Parsers of option values with a unit or a format of their own.
 
-use super::Input;
+use super::files::Prior;
 use truepose_io::{Quantity, Unit};
 use truepose_kinematics::Pose;
 
@@ -14,25 +14,6 @@ pub(super) fn parse_prior(text: &str) -> Result<truepose_identify::PriorStrength
             Ok(kappa) if kappa.is_finite() && kappa > 0.0 => Ok(PriorStrength::Fixed(kappa)),
             _ => Err("expected `evidence`, `none` or a number above 0".into()),
         },
-    }
-}
-
-/// What coefficients are shrunk towards.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Prior {
-    /// Expected sizes, so strongly.
-    Sizes(truepose_identify::PriorStrength),
-    /// The robots of a fleet, in this file.
-    Fleet(Input),
-}
-
-impl Prior {
-    /// How strongly expected sizes count where there is no fleet.
-    pub fn strength(&self) -> truepose_identify::PriorStrength {
-        match self {
-            Prior::Sizes(strength) => *strength,
-            Prior::Fleet(_) => truepose_identify::PriorStrength::VarianceGroups,
-        }
     }
 }
 

@@ -23,7 +23,7 @@ use truepose_identify::{FitOptions, IdentifyError, as_found};
 use truepose_io::{
     WholeFiles, check_writable, fit_json, make_folder, read_measurements, write_fit, write_whole,
 };
-use truepose_report::{DiscoverySettings, DiscoverySummary, NestedSummary, Verdict, discovery_report};
+use truepose_report::{DiscoverySettings, DiscoverySummary, NestedSummary, discovery_report};
 
 /// Runs the verb.
 pub fn run(args: &Discover, watch: &Watch) -> Result<(), Failure> {
@@ -126,8 +126,7 @@ pub fn run(args: &Discover, watch: &Watch) -> Result<(), Failure> {
     }
     // Pages are of the whole fit; its file is of the robot alone.
     let mut used = campaign.used(&found.fit.fitted)?;
-    let failed = summary.specification.as_ref().map(|of| of.verdict == Verdict::Fail);
-    FitVerdict { failed, ..FitVerdict::converged(found.fit.converged) }.record(&mut used);
+    FitVerdict::discovered(&summary, found.fit.converged).record(&mut used);
     parameters::record_details(&mut used, &args.measured.robot.robot)?;
     record_columns(&mut used, &info.map);
     if args.parameters.is_some() || args.report.is_some() || args.json {

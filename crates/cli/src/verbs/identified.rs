@@ -2,12 +2,28 @@
 
 use crate::args::Identify;
 use crate::failure::Failure;
-use truepose_errormodel::ModelError;
+use crate::verdict::FitVerdict;
+use truepose_errormodel::{FittedModel, ModelError};
 use truepose_identify::IdentifyError;
-use truepose_report::{SpecificationSummary, Verdict, millimetres};
+use truepose_report::{IdentificationSummary, SpecificationSummary, StreamedSummary, Verdict, millimetres};
+
+/// Records in a fit that `identify` made it with this seed, and what is to be known of it; `held_out` where a test set was drawn first.
+pub(crate) fn whole(fitted: &mut FittedModel, summary: &IdentificationSummary, seed: u64, held_out: bool) {
+    FitVerdict::identified(summary).record(fitted);
+    origin(&mut fitted.provenance, &summary.solver, summary.rows);
+    fitted.provenance.insert("seed".into(), seed.into());
+    fitted.provenance.insert("structure_frozen_then_all_rows".into(), held_out.into());
+}
+
+/// Records in a fit that `identify --stream` made it, and what is to be known of it.
+pub(crate) fn streamed(fitted: &mut FittedModel, summary: &StreamedSummary, converged: bool) {
+    FitVerdict::converged(converged).record(fitted);
+    origin(&mut fitted.provenance, &summary.solver, summary.rows);
+    fitted.provenance.insert("structure_from_rows".into(), summary.sampled.into());
+}
 
 /// Where a fit comes from.
-pub(crate) fn origin(provenance: &mut serde_json::Map<String, serde_json::Value>, solver: &str, rows: usize) {
+fn origin(provenance: &mut serde_json::Map<String, serde_json::Value>, solver: &str, rows: usize) {
     provenance.insert("program".into(), concat!("truepose ", env!("CARGO_PKG_VERSION")).into());
     provenance.insert("verb".into(), "identify".into());
     provenance.insert("solver".into(), solver.into());

@@ -2,7 +2,7 @@
 
 use super::campaign::Campaign;
 use super::folds::{different, split, split_words};
-use super::identified::{conforms, origin, refused, require};
+use super::identified::{conforms, refused, require, whole};
 use super::reporting::Folder;
 use super::{declared, parameters, points, print_json, read_files, robot, suspected};
 use crate::args::{Identify, Measured, Prior};
@@ -10,13 +10,12 @@ use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::recorded::record_columns;
 use crate::terminal;
-use crate::verdict::FitVerdict;
 use crate::watch::Watch;
 use std::path::Path;
 use truepose_errormodel::{Dataset, Visits, configurations};
 use truepose_identify::{IdentificationOptions, Split, Step, hold_out, identify};
 use truepose_io::{WholeFiles, check_writable, fit_json, read_measurements};
-use truepose_report::{IdentificationSummary, Verdict, identification_report};
+use truepose_report::{IdentificationSummary, identification_report};
 
 /// Runs the verb.
 pub fn run(args: &Identify, watch: &Watch) -> Result<(), Failure> {
@@ -100,11 +99,7 @@ pub fn run(args: &Identify, watch: &Watch) -> Result<(), Failure> {
         })?;
     }
     if let Some(out) = &args.out {
-        verdict(&summary).record(&mut used);
-        let provenance = &mut used.provenance;
-        origin(provenance, &summary.solver, summary.rows);
-        provenance.insert("seed".into(), args.seed.into());
-        provenance.insert("structure_frozen_then_all_rows".into(), args.holdout.is_some().into());
+        whole(&mut used, &summary, args.seed, args.holdout.is_some());
         files.add(out, fit_json(out, &used)?.as_bytes())?;
     }
     files.finish()?;
@@ -126,20 +121,6 @@ pub fn run(args: &Identify, watch: &Watch) -> Result<(), Failure> {
     conforms(summary.specification.as_ref())?;
     let Some(last) = summary.stages.last() else { return Ok(()) };
     require(args, last.test_set.or(last.held_out).unwrap_or(last.train).rms_mm * 1e-3)
-}
-
-/// What is to be known of the fit wherever it is used.
-fn verdict(summary: &IdentificationSummary) -> FitVerdict {
-    let unseen = |name: &str| {
-        let stage = summary.stages.iter().find(|stage| stage.name.starts_with(name))?;
-        Some(stage.test_set.or(stage.held_out)?.rms_mm)
-    };
-    let worse = unseen("base and tool").zip(unseen("declared model"));
-    FitVerdict {
-        contradicted: worse.is_some_and(|(alone, declared)| declared > alone),
-        failed: summary.specification.as_ref().map(|of| of.verdict == Verdict::Fail),
-        ..FitVerdict::converged(summary.converged)
-    }
 }
 
 /// The command that looks for the effect that is lacking.

@@ -44,7 +44,7 @@ mod simulate;
 pub(crate) mod sister;
 mod stream;
 mod template;
-mod transfer;
+pub(crate) mod transfer;
 mod verify;
 
 pub use completions::write as completions;

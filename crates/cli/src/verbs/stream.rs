@@ -1,13 +1,12 @@
 //! Identification of files that are larger than memory: read block by block, several times.
 
-use super::identified::{origin, refused, require};
+use super::identified::{refused, require, streamed};
 use super::print_json;
 use crate::args::Identify;
 use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::recorded::record_columns;
 use crate::terminal;
-use crate::verdict::FitVerdict;
 use crate::watch::Watch;
 use std::path::Path;
 use truepose_errormodel::{AnyEffect, Dataset, LANDMARK, SESSION};
@@ -66,10 +65,8 @@ pub fn identify(
         terminal::print(&summary.to_string());
     }
     if let Some(out) = &args.out {
-        FitVerdict::converged(found.fit.converged).record(&mut found.fit.fitted);
-        let provenance = &mut found.fit.fitted.provenance;
-        origin(provenance, &summary.solver, summary.rows);
-        provenance.insert("structure_from_rows".into(), summary.sampled.into());
+        let converged = found.fit.converged;
+        streamed(&mut found.fit.fitted, &summary, converged);
         record_columns(&mut found.fit.fitted, &file.reading.columns);
         write_fit(out, &found.fit.fitted)?;
         terminal::log(&format!("wrote {}", out.display()));

@@ -8,6 +8,7 @@ use crate::failure::Failure;
 use crate::terminal;
 use crate::verdict::{FitVerdict, usable};
 use crate::watch::Watch;
+use truepose_errormodel::FittedModel;
 use truepose_io::{check_writable, read_fit, read_measurements, write_fit};
 use truepose_report::TransferSummary;
 use truepose_upkeep::{Installation, TransferOptions, transfer};
@@ -26,11 +27,7 @@ pub fn run(args: &Transfer, watch: &Watch) -> Result<(), Failure> {
     let mut made = transfer(&fitted, &data, options)
         .map_err(|error| Failure::Input(format!("{}: {error}", args.data.display())))?;
     let summary = TransferSummary::new(&made, &data);
-    FitVerdict { fits: summary.arm.fits, ..FitVerdict::converged(true) }.record(&mut made.fitted);
-    let provenance = &mut made.fitted.provenance;
-    provenance.insert("transferred".into(), true.into());
-    provenance.insert("transfer_updated_the_arm".into(), args.update.into());
-    provenance.insert("transfer_rows".into(), data.len().into());
+    record(&mut made.fitted, &summary, args.update, data.len());
     write_fit(&args.out, &made.fitted)?;
     told(&summary, args.json, &args.out)?;
     match summary.arm.fits {
@@ -40,4 +37,13 @@ pub fn run(args: &Transfer, watch: &Watch) -> Result<(), Failure> {
         ))),
         _ => Ok(()),
     }
+}
+
+/// Records in a transferred fit where it comes from, and whether the arm fits there.
+pub(crate) fn record(made: &mut FittedModel, summary: &TransferSummary, update: bool, rows: usize) {
+    FitVerdict { fits: summary.arm.fits, ..FitVerdict::converged(true) }.record(made);
+    let provenance = &mut made.provenance;
+    provenance.insert("transferred".into(), true.into());
+    provenance.insert("transfer_updated_the_arm".into(), update.into());
+    provenance.insert("transfer_rows".into(), rows.into());
 }

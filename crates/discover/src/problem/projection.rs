@@ -347,10 +347,8 @@ const NOTHING: f64 = 1e-12;
 pub(crate) fn basis(raw: &DMatrix<f64>, left: &DMatrix<f64>, absorbed: f64) -> Option<DMatrix<f64>> {
     let scale: Vec<f64> =
         raw.diagonal().iter().map(|&v| if v > NOTHING { 1.0 / v.sqrt() } else { 0.0 }).collect();
+    scale.first()?;
     let k = scale.len();
-    if k == 0 {
-        return None;
-    }
     if k == 1 {
         let share = left[(0, 0)] * scale[0] * scale[0];
         return (share > absorbed).then(|| DMatrix::from_element(1, 1, scale[0] / share.sqrt()));

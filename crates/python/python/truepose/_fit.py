@@ -185,6 +185,11 @@ class Fit:
         """Names of the installations that the fit knows; empty where it is one."""
         return self._core.sessions
 
+    def accept(self) -> Fit:
+        """The same fit, for use although it does not fit the measurements that it was made from, or predicts unseen poses worse than base and tool
+        alone. Verbs warn, and do not refuse it."""
+        return Fit(self._core.accept())
+
     def in_session(self, name: str) -> Fit:
         """The fit in one of its installations, for `compensate`, `rewrite`, exports, `plan` and `monitor`. `predict` reads a column `session`."""
         return Fit(self._core.in_session(name))
