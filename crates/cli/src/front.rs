@@ -14,6 +14,7 @@ use crate::library::{Known, ROBOTS};
 use crate::recorded;
 use crate::verbs::expected::Expected;
 use crate::verbs::export::{Wanted, text};
+use crate::verbs::mistakes::Mistakes;
 use crate::verbs::{
     beyond, compensate, discover, folds, identified, parameters, predict, sessions, sister, transfer,
 };
@@ -27,7 +28,7 @@ use truepose_identify::Split;
 use truepose_io::{ColumnMap, CsvInfo, ExportUnits, NamedFrame, Poses, Prediction, RobotDetails};
 use truepose_kinematics::{Chain, TargetId};
 use truepose_report::{
-    DiscoverySummary, IdentificationSummary, ParametersSummary, SisterSummary, StreamedSummary,
+    DataCheck, DiscoverySummary, IdentificationSummary, ParametersSummary, SisterSummary, StreamedSummary,
     TransferSummary,
 };
 use truepose_solvers::Solver;
@@ -98,6 +99,17 @@ pub fn split_words(split: &Split) -> String {
 /// A step of a discovery, in words.
 pub fn progress_words(step: &Progress) -> String {
     discover::progress_text(step)
+}
+
+/// What seems wrong with measurements, in words with this name of the data, and the rows without those in which one mistake is known: none where all
+/// are used. As `identify` and `discover` take measured poses of one installation.
+pub fn checked(chain: &Chain, data: &Dataset, name: &Path) -> (Option<Dataset>, DataCheck) {
+    Mistakes::of(chain, data, name).set_aside(data)
+}
+
+/// The same of rows that are all used.
+pub fn suspected(chain: &Chain, data: &Dataset, name: &Path) -> DataCheck {
+    Mistakes::of(chain, data, name).check()
 }
 
 /// Channels that a search tests as one, in words; none where all differ.

@@ -24,16 +24,16 @@
 //! | u = Qᵀ Σ^{−1/2} β | the most likely errors in prior units | p |
 //! | γ_j = (Qᵀ H Q)_jj | how much of u_j the data decides, 0…1 | p |
 //!
-//! Unknowns that are counted from where an earlier fit has found them, places of landmarks and unknowns of sensors, have a width that holds them to
-//! nothing. None gets narrower than κ: what the data leaves open would seem to be known to be nothing. And a kind of few unknowns is held no closer
+//! Unknowns that are counted from where an earlier fit has found them have a width that holds them to nothing, and κ is that of the others: places of
+//! landmarks, unknowns of sensors, a base, tool or target that was not known, the bases of further sessions. None gets narrower than κ: what the data leaves open would seem to be known to be nothing. And a kind of few unknowns is held no closer
 //! than ten expected sizes: what the many others are like says nothing of a gap or a spring, and one or two of them say too little
 //! about what is usual.
 
 use crate::IdentifyError;
-use crate::evidence::{Evidence, LEAST, MOST};
-use crate::reduction::Reduction;
+use crate::evidence::{Evidence, LEAST, MOST, START};
+use crate::reduction::{Group, Reduction};
 use nalgebra::{DMatrix, DVector};
-use truepose_errormodel::effects::{Landmarks, Observed};
+use truepose_errormodel::effects::{Landmarks, Observed, Own, Session};
 use truepose_errormodel::{Effect, ErrorModel};
 use truepose_solvers::accumulator::{Factor, Triangular};
 use truepose_solvers::kernels::{cholesky_lower, gram, solve_lower_many};
@@ -70,6 +70,8 @@ pub struct Prior {
     pub kappa: f64,
     /// w, one a kind of unknown.
     pub widths: Vec<f64>,
+    /// Groups that are held to nothing.
+    free: Vec<usize>,
 }
 
 impl Prior {
@@ -80,6 +82,7 @@ impl Prior {
             spread: DMatrix::zeros(0, 0),
             kappa: f64::INFINITY,
             widths: Vec::new(),
+            free: Vec::new(),
         }
     }
 
@@ -107,7 +110,12 @@ impl Prior {
             unit.column_mut(k).scale_mut(1.0 / scale(group.column));
             spread.row_mut(k).scale_mut(scale(group.column));
         }
-        Prior { unit, spread, kappa, widths }
+        let flat = flat_columns(model);
+        let held_to_nothing = |group: &Group| {
+            flat[group.column] || group.members.iter().any(|&(column, share)| share != 0.0 && flat[column])
+        };
+        let free = (0..rank).filter(|&k| held_to_nothing(&reduction.groups[k])).collect();
+        Prior { unit, spread, kappa, widths, free }
     }
 
     /// W, r × r; none without a prior.
@@ -122,8 +130,14 @@ impl Prior {
 
     /// How many times wider than its expected size, on top of κ, each column of the model is held: the width w of its kind.
     pub fn widths_of_columns(&self, model: &ErrorModel) -> Vec<f64> {
-        let width = |kind: usize| self.widths.get(kind).copied().unwrap_or(1.0);
-        kinds(model).0.into_iter().map(width).collect()
+        let found =
+            |column: usize| model.columns()[column].site.is_some_and(|site| model.chain().was_found(site));
+        let width = |(column, kind): (usize, usize)| match found(column) {
+            // Any model on this robot holds it to nothing.
+            true => 1.0,
+            false => self.widths.get(kind).copied().unwrap_or(1.0),
+        };
+        kinds(model).0.into_iter().enumerate().map(width).collect()
     }
 
     /// L = W₁⁻¹, r × r.
@@ -173,7 +187,7 @@ impl Prior {
     /// # Errors
     /// When a factorisation fails.
     pub fn from_evidence(&self, factor: &Factor) -> Result<Self, IdentifyError> {
-        let evidence = Evidence::new(factor, &self.spread)?;
+        let evidence = Evidence::new(factor, &self.spread, &self.free)?;
         Ok(Prior { kappa: evidence.kappa(), ..self.clone() })
     }
 
@@ -185,7 +199,7 @@ impl Prior {
         numbers: Option<usize>,
         ask: bool,
     ) -> Result<(f64, f64), IdentifyError> {
-        let evidence = Evidence::new(factor, &self.spread)?;
+        let evidence = Evidence::new(factor, &self.spread, &self.free)?;
         Ok(match (numbers, ask) {
             (None, true) => (evidence.kappa(), 1.0),
             (None, false) => (self.kappa, 1.0),
@@ -272,13 +286,15 @@ fn root(grouped: &DMatrix<f64>) -> DMatrix<f64> {
 const FEW: usize = 10;
 const LOOSE: f64 = 10.0;
 
-/// The kind of each column, and how many kinds there are: those of one family in one unit.
+/// The kind of each column, and how many kinds there are: those of one family in one unit, of which what is held to nothing is one of its own.
 fn kinds(model: &ErrorModel) -> (Vec<usize>, usize) {
-    let mut known: Vec<(&str, &str)> = Vec::new();
+    let flat = flat_columns(model);
+    let mut known: Vec<(&str, &str, bool)> = Vec::new();
     let mut of = Vec::with_capacity(model.columns().len());
     for effect in 0..model.effects().len() {
         for column in model.columns_of(effect) {
-            let kind = (model.effects()[effect].kind(), model.columns()[column].unit.as_str());
+            let unit = model.columns()[column].unit.as_str();
+            let kind = (model.effects()[effect].kind(), unit, flat[column]);
             let place = known.iter().rposition(|k| *k == kind).unwrap_or_else(|| {
                 known.push(kind);
                 known.len() - 1
@@ -290,26 +306,32 @@ fn kinds(model: &ErrorModel) -> (Vec<usize>, usize) {
     (of, count)
 }
 
-/// Places of landmarks and unknowns of sensors are taken from where an earlier fit has found them: that they are near zero there says nothing
-/// of how well they are known, and they are held by so many of their expected sizes, which is nothing.
+/// What is counted from where an earlier fit has found it is near zero, which says nothing of how well it is known: it is held by so many of its
+/// expected sizes, which is nothing.
 const FLAT: f64 = 1e3;
+
+/// For each column: whether it is counted from where it was found.
+fn flat_columns(model: &ErrorModel) -> Vec<bool> {
+    let flat = |column: usize| {
+        let (of, effect) = (&model.columns()[column], &model.effects()[model.effect_of(column)]);
+        let base_of_session = effect.concrete::<Session>().is_some_and(|of| of.own == Own::Base);
+        base_of_session
+            || [Landmarks::FAMILY, Observed::FAMILY].contains(&effect.kind())
+            || of.site.is_some_and(|site| model.chain().was_found(site))
+    };
+    (0..model.columns().len()).map(flat).collect()
+}
 
 /// For each kind: whether its unknowns are counted from where they were found.
 fn recentred(model: &ErrorModel) -> Vec<bool> {
     let (kinds, count) = kinds(model);
     let mut flat = vec![false; count];
-    for (column, kind) in kinds.into_iter().enumerate() {
-        let family = model.effects()[model.effect_of(column)].kind();
-        flat[kind] = [Landmarks::FAMILY, Observed::FAMILY].contains(&family);
-    }
+    kinds.into_iter().zip(flat_columns(model)).for_each(|(kind, of)| flat[kind] = of);
     flat
 }
 
 /// Columns, in sum, of which the data has to decide before their kind's width is looked at.
 const LEAST_DECIDED: f64 = 0.1;
-
-/// κ before the data has been looked at.
-const START: f64 = 30.0;
 
 #[cfg(test)]
 mod tests {

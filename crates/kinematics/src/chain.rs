@@ -4,8 +4,8 @@ use crate::couplings::Couplings;
 use crate::prepared::PreparedJoint;
 use crate::sines::sin_cos;
 use crate::{
-    ChainError, FrameId, Joint, JointId, JointKind, JointMotion, Placed, Placement, Pose, Target, TargetId,
-    Tool, ToolId,
+    ChainError, FrameId, Joint, JointId, JointKind, JointMotion, Placed, Placement, Pose, Site, Target,
+    TargetId, Tool, ToolId,
 };
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
@@ -52,6 +52,8 @@ pub struct Chain {
     /// How many of them the description has.
     described: usize,
     gravity: Gravity,
+    /// Frames and targets that stand where measurements of this robot put them.
+    found: (Vec<FrameId>, Vec<TargetId>),
     /// The frame in front of each joint.
     pub(crate) parents: Vec<FrameId>,
     /// By tool and frame, whether the frame carries the tool; empty where one chain of joints carries one tool.
@@ -103,6 +105,7 @@ impl Chain {
             targets: Vec::new(),
             described: 0,
             gravity: Gravity::default(),
+            found: Default::default(),
             movable,
             coordinates,
             couplings: Couplings::default(),
@@ -156,6 +159,23 @@ impl Chain {
         self.described = own.unwrap_or(targets.len());
         self.targets = targets;
         Ok(self)
+    }
+
+    /// With these frames and targets standing where measurements of this robot put them, besides those that did before.
+    #[must_use]
+    pub fn with_found(mut self, frames: &[FrameId], targets: &[TargetId]) -> Self {
+        self.found.0.extend(frames);
+        self.found.1.extend(targets);
+        self
+    }
+
+    /// Whether the place of an error stands where measurements of this robot put it: its nominal pose is an estimate, and says nothing of how large
+    /// the error is expected to be.
+    pub fn was_found(&self, site: Site) -> bool {
+        match site {
+            Site::Frame(frame, _) => self.found.0.contains(&frame),
+            Site::Target(target, _) => self.found.1.contains(&target),
+        }
     }
 
     /// With this gravity.

@@ -71,7 +71,7 @@ pub fn identify(
     };
     let options = IdentificationOptions { fit, split, repeats: repeat, holdout, seed };
     let (rows, details, info) = (data.data.clone(), robot.details.clone(), data.info.clone());
-    let suspected = data.suspected();
+    let own_folds = fold_labels.is_some();
     let raised = model.raised.clone();
     let Model { effects, objects, .. } = model;
     let said = (robot.beside.rules, (*robot.beside.surroundings).clone());
@@ -86,13 +86,19 @@ pub fn identify(
             Some(campaign) => (campaign.chain(), campaign.effects(), campaign.data()),
             None => (&*chain, &effects[..], &*rows),
         };
+        // Folds that are given are of all rows.
+        let (kept, data_check) = match campaign.is_some() || own_folds {
+            true => (None, front::suspected(chain, data, &info.file)),
+            false => front::checked(chain, data, &info.file),
+        };
+        let data = kept.as_ref().unwrap_or(data);
         campaign.iter().try_for_each(|campaign| campaign.without_test_set(options.holdout)).map_err(input)?;
         let observer = |step: Step| working.step(words(step));
         let found = identified(chain, effects, data, &*solver, &options, &observer).map_err(input)?;
         let held_out_by = options.split.as_ref().map(front::split_words);
         let mut summary =
             IdentificationSummary::new(&found, data, &info.visit_labels, &solver_text, held_out_by);
-        summary.warnings.splice(0..0, suspected);
+        summary = summary.with_data_check(data_check);
         let (mut used, remarks) = match &campaign {
             Some(campaign) => {
                 summary = campaign.identified(summary, &found).map_err(input)?;
@@ -104,7 +110,8 @@ pub fn identify(
         front::record_columns(&mut used, &info.map);
         front::identified(&mut used, &summary, seed, holdout.is_some());
         let labels = info.visit_labels.clone();
-        let data = campaign.map_or(rows, |campaign| Arc::new(campaign.data().clone()));
+        let data =
+            campaign.map(|campaign| Arc::new(campaign.data().clone())).or(kept.map(Arc::new)).unwrap_or(rows);
         Ok((Identified { found, data, labels, summary }, used, remarks))
     })?;
     let source = Source::Identified(Box::new(made));

@@ -22,7 +22,7 @@ use truepose_errormodel::{AnyEffect, Dataset, FittedModel, SessionRules, Surroun
 use truepose_identify::{FitOptions, Folds, Split, as_found};
 use truepose_io::{CsvInfo, RobotDetails};
 use truepose_kinematics::Chain;
-use truepose_report::{DiscoverySettings, DiscoverySummary, NestedSummary};
+use truepose_report::{DataCheck, DiscoverySettings, DiscoverySummary, NestedSummary};
 use truepose_solvers::Solver;
 
 /// Robot, rows, declared model and options of a search.
@@ -44,6 +44,8 @@ struct Asked {
     solver: String,
     options: DiscoverOptions,
     settings: DiscoverySettings,
+    /// What seems wrong with the rows; of measured poses of one installation.
+    data_check: Option<DataCheck>,
     /// The outer folds of nested cross-validation; none without it.
     split: Option<Split>,
 }
@@ -94,9 +96,17 @@ impl Search {
             library,
             ..DiscoverOptions::default()
         };
+        let plain = data.info.sessions.len() < 2 && data.info.landmarks.is_empty();
+        let checked = plain.then(|| py.detach(|| front::checked(&chain, &data.data, &data.info.file)));
+        let (rows, data_check) = match checked {
+            Some((kept, check)) => (kept.map_or_else(|| data.data.clone(), Arc::new), Some(check)),
+            None => (data.data.clone(), None),
+        };
         let asked = Asked {
             chain,
-            rows: data.data.clone(),
+            split: split(&rows, nested, "random", seed, None)?,
+            rows,
+            data_check,
             info: data.info.clone(),
             details: robot.details.clone(),
             said: (robot.beside.rules, (*robot.beside.surroundings).clone()),
@@ -105,7 +115,6 @@ impl Search {
             solver,
             options,
             settings: DiscoverySettings { seed, holdout, rotations, alpha },
-            split: split(&data.data, nested, "random", seed, None)?,
         };
         Ok(Search { asked: Arc::new(asked), objects })
     }
@@ -227,7 +236,11 @@ impl Asked {
         };
         let (chain, effects, rows) = self.searched(campaign.as_ref());
         let options = &self.options;
-        let mut summary = DiscoverySummary::new(&found, self.settings);
+        let data_check = match &self.data_check {
+            Some(check) => check.clone(),
+            None => front::suspected(chain, rows, &self.info.file),
+        };
+        let mut summary = DiscoverySummary::new(&found, self.settings).with_data_check(data_check);
         let (mut used, remarks) = match &campaign {
             Some(campaign) => {
                 campaign.discovered(&mut summary, &found, (&*solver, &options.fit)).map_err(input)?;
@@ -266,7 +279,9 @@ impl Asked {
     /// What a search had found when it was interrupted.
     fn interrupted(&self, found: Diagnosis) -> Found {
         let why = Some("interrupted".to_owned());
-        let summary = DiscoverySummary { incomplete: why, ..DiscoverySummary::new(&found, self.settings) };
+        let summary = DiscoverySummary::new(&found, self.settings)
+            .with_data_check(self.data_check.clone().unwrap_or_default());
+        let summary = DiscoverySummary { incomplete: why, ..summary };
         let mut used = usable(&found.fit.fitted);
         self.record(&mut used, self.rows.len(), false);
         used.provenance.insert("incomplete".into(), "interrupted".into());

@@ -26,7 +26,7 @@ pub use joints::JointRepeatabilitySummary;
 pub use nested::NestedSummary;
 pub use parts::TrainAndHoldout;
 
-use crate::{PositionStatistics, SpecificationSummary};
+use crate::{DataCheck, PositionStatistics, SpecificationSummary};
 use serde::{Deserialize, Serialize};
 use truepose_discover::{Diagnosis, HeldOut, Termination, Verdict};
 use truepose_errormodel::Dataset;
@@ -52,6 +52,9 @@ pub struct DiscoverySummary {
     pub noise_floor_mm: Option<f64>,
     /// The same with its source and interval.
     pub noise_floor: NoiseFloorSummary,
+    /// What seems wrong with the data; it stands first.
+    #[serde(default, skip_serializing_if = "DataCheck::is_empty")]
+    pub data_check: DataCheck,
     /// Whether the model is adequate.
     pub verdict: Verdict,
     /// Dependence of poses on those measured before; none with fewer than ten poses.
@@ -179,6 +182,7 @@ impl DiscoverySummary {
             noise_floor: NoiseFloorSummary::new(found),
             dependence: found.dependence.as_ref().map(DependenceSummary::new),
             joint_repeatability: found.joints.as_ref().map(JointRepeatabilitySummary::new),
+            data_check: DataCheck::default(),
             verdict: found.verdict,
             before,
             after,
@@ -212,6 +216,20 @@ impl DiscoverySummary {
 }
 
 impl DiscoverySummary {
+    /// With what seems wrong with the data; numbers of rows are then those of all its rows.
+    #[must_use]
+    pub fn with_data_check(mut self, data_check: DataCheck) -> Self {
+        let of_all =
+            |rows: &mut Vec<usize>| rows.iter_mut().for_each(|row| *row = data_check.row_of_all(*row));
+        of_all(&mut self.holdout_rows);
+        of_all(&mut self.suspect_rows);
+        for effect in &mut self.effects {
+            of_all(&mut effect.rows);
+            effect.poses.iter_mut().for_each(of_all);
+        }
+        DiscoverySummary { data_check, ..self }
+    }
+
     /// The same, with the held-out poses of `data` (as it was read) compared with a limit of the 3-D position error, m.
     pub fn with_specification(mut self, limit: f64, found: &Diagnosis, data: &Dataset) -> Self {
         let largest = crate::largest_error_by_pose(data, &found.holdout_rows, &found.after.holdout);

@@ -6,7 +6,9 @@ mod text;
 pub use nonlinear_parameter::NonlinearParameterSummary;
 
 use crate::largest::{LargestError, largest_errors};
-use crate::{LandmarksSummary, OrientationStatistics, PositionStatistics, advice_text, warning_text};
+use crate::{
+    DataCheck, LandmarksSummary, OrientationStatistics, PositionStatistics, advice_text, warning_text,
+};
 use serde::Serialize;
 use truepose_errormodel::{Dataset, Visits, configurations};
 use truepose_identify::reduction::{Cause, group_words};
@@ -80,6 +82,9 @@ pub struct IdentificationSummary {
     pub worst: Vec<LargestError>,
     /// Warnings.
     pub warnings: Vec<String>,
+    /// What seems wrong with the data; it stands first.
+    #[serde(skip_serializing_if = "DataCheck::is_empty")]
+    pub data_check: DataCheck,
     /// Conformity of held-out poses with a specification, where one was given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub specification: Option<crate::SpecificationSummary>,
@@ -262,6 +267,7 @@ impl IdentificationSummary {
             verdict: String::new(),
             worst: largest_errors(found, data, labels, MOST_LARGEST),
             warnings: fit.warnings.iter().map(warning_text).collect(),
+            data_check: DataCheck::default(),
             rounds: fit.rounds,
             converged: fit.converged,
             specification: None,
@@ -277,6 +283,15 @@ impl IdentificationSummary {
 }
 
 impl IdentificationSummary {
+    /// With what seems wrong with the data.
+    #[must_use]
+    pub fn with_data_check(self, data_check: DataCheck) -> Self {
+        let mut summary = IdentificationSummary { data_check, ..self };
+        let check = &summary.data_check;
+        summary.worst.iter_mut().for_each(|worst| worst.row = check.row_of_all(worst.row));
+        IdentificationSummary { limit: limit(&summary), ..summary }
+    }
+
     /// With what was found at landmarks: then errors are spreads, and the verdict says so.
     #[must_use]
     pub fn with_landmarks(self, landmarks: Option<crate::LandmarksSummary>) -> Self {
@@ -372,7 +387,9 @@ fn limit(summary: &IdentificationSummary) -> String {
     if let Some(repeats) = &summary.repeats {
         let repeatability = repeats.rms_mm;
         let ratio = held_out.rms_mm / repeatability.max(1e-12);
-        let conclusion = if repeats.lack_of_fit.is_none_or(|l| l.p_value > 0.05) {
+        let conclusion = if summary.data_check.in_doubt {
+            "Whether the model is adequate cannot be decided with this data.".to_owned()
+        } else if repeats.lack_of_fit.is_none_or(|l| l.p_value > 0.05) {
             "The lack of fit is not significant: the model is adequate.".to_owned()
         } else if ratio < 1.1 {
             "The error of the model is within 10 % of it.".to_owned()

@@ -2,6 +2,7 @@
 
 mod acceptance;
 mod comparison;
+mod data_check;
 mod discovery;
 mod explanation;
 mod figure;
@@ -30,6 +31,7 @@ pub use acceptance::{
     PathSummary, PoseDistanceSummary, StateSummary, TestPoseSummary, VerdictSummary,
 };
 pub use comparison::{ComparisonSummary, StrategyOutcome, StrategySummary};
+pub use data_check::DataCheck;
 pub use discovery::{
     AlternativeSummary, AsFoundSummary, BeforeAfter, DependenceSummary, DiscoverySettings, DiscoverySummary,
     ExtrapolationSummary, FindingSummary, GainSummary, JointRepeatabilitySummary, LackOfFitSummary,

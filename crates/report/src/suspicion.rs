@@ -7,11 +7,55 @@ use truepose_kinematics::{Chain, JointKind};
 /// The suspected mistake, the evidence for it, and what to do. `lines` are the line numbers of the rows in the file, if any.
 pub fn suspicion_text(chain: &Chain, found: &Suspicion, lines: &[u64]) -> String {
     let mm = |v: f64| format!("{} mm", significant(v * 1e3, 3));
+    let target = |k: usize| chain.targets().get(k).map_or("?", |t| t.name.as_str());
+    match &found.cause {
+        Cause::SwappedLabels { a, b, rows } => format!(
+            "targets {} and {} seem swapped in {}, up to {} off: with the names exchanged they agree with the other rows ({} RMS); correct \
+             the names",
+            target(*a),
+            target(*b),
+            named(rows, lines),
+            mm(found.before),
+            mm(found.after)
+        ),
+        Cause::InSomeRows { rows, mistake } => {
+            let (what, undone) = mistake_text(chain, mistake);
+            format!(
+                "in {}, up to {} off, {what}: after {undone} they agree with the other rows ({} RMS with the robot as described); correct {}",
+                ranges(rows, lines),
+                mm(found.before),
+                mm(found.after),
+                if rows.len() == 1 { "it" } else { "them" }
+            )
+        }
+        Cause::StrayRows { rows } => format!(
+            "{} {} with the other rows: errors up to {}, against {} RMS of the others; check {}, or use `--solver tukey(qr)`",
+            named(rows, lines),
+            if rows.len() == 1 { "disagrees" } else { "disagree" },
+            mm(found.before),
+            mm(found.after),
+            if rows.len() == 1 { "it" } else { "them" },
+        ),
+        Cause::BaseElsewhere => format!(
+            "the base differs from the description: the position error is {} with the described base and {} with the base that fits \
+             best; correct [base], or set `known = false` there",
+            mm(found.before),
+            mm(found.after)
+        ),
+        cause => {
+            let (what, undone) = mistake_text(chain, cause);
+            format!("{what}: registration RMS {}, after {undone} {}", mm(found.before), mm(found.after))
+        }
+    }
+}
+
+/// What was done, and what undoes it; of what is done to a table, or to some of its rows.
+fn mistake_text(chain: &Chain, cause: &Cause) -> (String, &'static str) {
     let axis = |k: usize| ["x", "y", "z"].get(k).copied().unwrap_or("?");
     let joint = |k: usize| chain.movable().get(k).map_or("?", |&j| chain.joint(j).name.as_str());
     let target = |k: usize| chain.targets().get(k).map_or("?", |t| t.name.as_str());
     let with_base = chain.base().known;
-    let (what, undone) = match found.cause.clone() {
+    match cause.clone() {
         Cause::SwappedAxes { a, b } if with_base => {
             (format!("{} and {} seem swapped", axis(a), axis(b)), "swapping them")
         }
@@ -67,37 +111,8 @@ pub fn suspicion_text(chain: &Chain, found: &Suspicion, lines: &[u64]) -> String
         Cause::SwappedTargets { a, b } => {
             (format!("targets {} and {} seem swapped", target(a), target(b)), "swapping them")
         }
-        Cause::SwappedLabels { a, b, rows } => {
-            return format!(
-                "targets {} and {} seem swapped in {}, up to {} off: with the names exchanged they agree with the other rows ({} RMS); correct \
-                 the names",
-                target(a),
-                target(b),
-                named(&rows, lines),
-                mm(found.before),
-                mm(found.after)
-            );
-        }
-        Cause::StrayRows { rows } => {
-            return format!(
-                "{} {} with the other rows: errors up to {}, against {} RMS of the others; check {}, or use `--solver tukey(qr)`",
-                named(&rows, lines),
-                if rows.len() == 1 { "disagrees" } else { "disagree" },
-                mm(found.before),
-                mm(found.after),
-                if rows.len() == 1 { "it" } else { "them" },
-            );
-        }
-        Cause::BaseElsewhere => {
-            return format!(
-                "the base differs from the description: the position error is {} with the described base and {} with the base that fits \
-                 best; correct [base], or set `known = false` there",
-                mm(found.before),
-                mm(found.after)
-            );
-        }
-    };
-    format!("{what}: registration RMS {}, after {undone} {}", mm(found.before), mm(found.after))
+        _ => ("the rows seem mistaken".into(), "correcting them"),
+    }
 }
 
 /// Rows by their numbers, with their lines in the file.
@@ -109,6 +124,36 @@ fn named(rows: &[usize], lines: &[u64]) -> String {
     };
     let listed: Vec<String> = rows.iter().take(NAMED).map(one).collect();
     let more = match rows.len().saturating_sub(NAMED) {
+        0 => String::new(),
+        n => format!(" and {n} more"),
+    };
+    format!("{} {}{more}", if rows.len() == 1 { "row" } else { "rows" }, listed.join(", "))
+}
+
+/// Rows by their numbers, and their lines in the file, as ranges.
+fn ranges(rows: &[usize], lines: &[u64]) -> String {
+    const NAMED: usize = 5;
+    let mut all: Vec<(usize, usize)> = Vec::new();
+    for &row in rows {
+        match all.last_mut().filter(|(_, last)| last + 1 == row) {
+            Some((_, last)) => *last = row,
+            None => all.push((row, row)),
+        }
+    }
+    let one = |&(first, last): &(usize, usize)| {
+        let line = |row: usize| lines.get(row).map_or_else(String::new, ToString::to_string);
+        match (first == last, lines.get(last).is_some()) {
+            (true, true) => format!("{} (line {})", first + 1, line(first)),
+            (true, false) => (first + 1).to_string(),
+            (false, true) => {
+                format!("{} to {} (lines {} to {})", first + 1, last + 1, line(first), line(last))
+            }
+            (false, false) => format!("{} to {}", first + 1, last + 1),
+        }
+    };
+    let listed: Vec<String> = all.iter().take(NAMED).map(one).collect();
+    let named: usize = all.iter().take(NAMED).map(|(first, last)| last - first + 1).sum();
+    let more = match rows.len() - named {
         0 => String::new(),
         n => format!(" and {n} more"),
     };

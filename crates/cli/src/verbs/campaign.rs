@@ -2,6 +2,7 @@
 
 use super::declared_landmarks::declared;
 use super::held_out::among_all;
+use super::mistakes::Mistakes;
 use crate::failure::Failure;
 use crate::terminal;
 use std::any::Any;
@@ -17,8 +18,8 @@ use truepose_identify::{
 use truepose_io::{CsvInfo, robot_sessions, robot_surroundings};
 use truepose_kinematics::Chain;
 use truepose_report::{
-    DiscoverySummary, IdentificationSummary, KindsSummary, LandmarksSummary, SessionSummary, SuspectSummary,
-    session_summaries,
+    DataCheck, DiscoverySummary, IdentificationSummary, KindsSummary, LandmarksSummary, SessionSummary,
+    SuspectSummary, session_summaries,
 };
 use truepose_solvers::Solver;
 
@@ -85,6 +86,18 @@ impl Campaign {
         let made = Campaign::of((rules, surroundings), file, chain, effects, data, info, fit)?;
         terminal::warn(made.remarks.as_slice());
         Ok(made)
+    }
+
+    /// Without the rows in which one mistake is known, and what is stated of them; sessions and landmarks are used as they are.
+    pub fn without(&mut self, mistakes: &Mistakes) -> DataCheck {
+        if self.read.is_some() || !self.installed.is_empty() {
+            return mistakes.check();
+        }
+        let (kept, check) = mistakes.set_aside(&self.data);
+        if let Some(kept) = kept {
+            self.data = kept;
+        }
+        check
     }
 
     /// Of what was read, with what sessions share, and what is known of landmarks; `file` names the data in messages.

@@ -1,6 +1,7 @@
 //! `truepose check`: read files and say what was understood.
 
 use super::campaign::Campaign;
+use super::mistakes::Mistakes;
 use super::nominal::Nominal;
 use super::{points, print_json, robot};
 use crate::args::Check;
@@ -8,11 +9,11 @@ use crate::failure::Failure;
 use crate::terminal;
 use truepose_errormodel::effects::{AllTargets, Geometric, Where};
 use truepose_errormodel::{AnyEffect, ErrorModel};
-use truepose_identify::{FitOptions, suspicions};
+use truepose_identify::FitOptions;
 use truepose_io::{CsvInfo, Grouping, MeasurementsOptions, read_measurements, read_model};
 use truepose_kinematics::{Chain, GravityFrame, JointId, JointKind, ToolId};
 use truepose_report::Alignment::{Left, Right};
-use truepose_report::{count, significant, suspicion_text, table};
+use truepose_report::{count, significant, table};
 use truepose_solvers::{PivotedQr, Solver};
 
 /// Runs the verb.
@@ -40,22 +41,12 @@ pub fn run(args: &Check) -> Result<(), Failure> {
                 Campaign::read((&args.robot.robot, path), chain.clone(), installation(), data, &info, plain)?;
             let (placed, data) = (&campaign.chain, &campaign.data);
             one_point = points::one_point(placed, data, &info, path);
-            let suspicions = suspicions(placed, data);
-            let words: Vec<String> = suspicions
-                .iter()
-                .map(|found| format!("{}: {}", path.display(), suspicion_text(placed, found, &data.line)))
-                .collect();
-            terminal::warn(words.as_slice());
+            let mistakes = Mistakes::of(placed, data, path);
+            terminal::warn(mistakes.words.as_slice());
             if let Some(model) = &model {
                 model.bind(&data.derived_for(model)?.schema)?;
             }
-            nominal = Nominal::of(placed, Some(data), &suspicions);
-            let words: Vec<String> = nominal
-                .warnings(&chain)
-                .into_iter()
-                .map(|words| format!("{}: {words}", path.display()))
-                .collect();
-            terminal::warn(words.as_slice());
+            nominal = mistakes.nominal;
             Some(info)
         }
         None => None,

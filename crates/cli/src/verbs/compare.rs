@@ -2,8 +2,9 @@
 
 use super::campaign::Campaign;
 use super::folds::{different, split, split_words};
+use super::mistakes::Mistakes;
 use super::reporting::Folder;
-use super::{declared, print_json, read_files, robot, suspected};
+use super::{declared, print_json, read_files, robot};
 use crate::args::Compare;
 use crate::failure::Failure;
 use crate::progress::Progress;
@@ -37,7 +38,7 @@ pub fn run(args: &Compare, watch: &Watch) -> Result<(), Failure> {
     let options = FitOptions { prior: args.prior, ..FitOptions::default() };
     let campaign = Campaign::read(files_read, chain, effects, data, &info, (&plain, &options))?;
     let Campaign { chain, effects, data, .. } = &campaign;
-    terminal::warn(suspected(chain, data, &args.measured.data).as_slice());
+    terminal::warn(Mistakes::of(chain, data, &args.measured.data).words.as_slice());
     let placed = place(chain, data)?.chain;
     let model = ErrorModel::new(placed, effects.clone())?;
     let folds = Folds::new(data, &split)?;

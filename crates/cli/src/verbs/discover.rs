@@ -3,9 +3,10 @@
 use super::campaign::Campaign;
 use super::folds::{different, split, split_words};
 use super::identified::conforms;
+use super::mistakes::Mistakes;
 use super::observers::decided;
 use super::reporting::Folder;
-use super::{declared, parameters, points, print_json, read_files, robot, suspected};
+use super::{declared, parameters, points, print_json, read_files, robot};
 use crate::args::Discover;
 use crate::extensions::library;
 use crate::failure::Failure;
@@ -23,7 +24,7 @@ use truepose_identify::{FitOptions, IdentifyError, as_found};
 use truepose_io::{
     WholeFiles, check_writable, fit_json, make_folder, read_measurements, write_fit, write_whole,
 };
-use truepose_report::{DiscoverySettings, DiscoverySummary, NestedSummary, discovery_report};
+use truepose_report::{DataCheck, DiscoverySettings, DiscoverySummary, NestedSummary, discovery_report};
 
 /// Runs the verb.
 pub fn run(args: &Discover, watch: &Watch) -> Result<(), Failure> {
@@ -49,9 +50,12 @@ pub fn run(args: &Discover, watch: &Watch) -> Result<(), Failure> {
     let files_read = (&*args.measured.robot.robot, &*args.measured.data);
     let solver = args.solver.build();
     let fit = FitOptions::default();
-    let campaign = Campaign::read(files_read, chain, declared, data, &info, (&*solver, &fit))?;
+    let mut campaign = Campaign::read(files_read, chain, declared, data, &info, (&*solver, &fit))?;
     points::one_point(&campaign.chain, &campaign.data, &info, &args.measured.data)?;
-    terminal::warn(suspected(&campaign.chain, &campaign.data, &args.measured.data).as_slice());
+    let mistakes = Mistakes::of(&campaign.chain, &campaign.data, &args.measured.data);
+    // At once as well: a search takes a while.
+    terminal::warn(mistakes.words.as_slice());
+    let data_check = campaign.without(&mistakes);
     terminal::warn(repeated(&campaign.data, &args.measured.data).as_slice());
     let options_of = |campaign: &Campaign| DiscoverOptions {
         holdout: args.holdout,
@@ -79,7 +83,8 @@ pub fn run(args: &Discover, watch: &Watch) -> Result<(), Failure> {
             Progress::Interim(so_far) => {
                 let (out, origin) = (args.out.as_deref().map(Path::to_path_buf), origin.clone());
                 let result = folder.as_ref().map(Folder::result);
-                watch.keep(move |why| incomplete(*so_far, settings, &origin, out, result, why));
+                let with = (settings, data_check.clone());
+                watch.keep(move |why| incomplete(*so_far, with, &origin, out, result, why));
             }
             step => {
                 if let Progress::Found(words) = &step {
@@ -97,6 +102,7 @@ pub fn run(args: &Discover, watch: &Watch) -> Result<(), Failure> {
     let options = options_of(&campaign);
     let mut summary = DiscoverySummary::new(&found, settings);
     campaign.discovered(&mut summary, &found, (&*solver, &options.fit))?;
+    summary = summary.with_data_check(data_check.clone());
     summary.observers = observers;
     if let Some(folds) = args.nested {
         // If a limit ends the validation, the completed search is shown and written.
@@ -280,14 +286,14 @@ fn write_result(result: &Path, summary: &DiscoverySummary) -> bool {
 /// Writes the findings so far, marked as incomplete, each file whole or not at all; returns the files.
 fn incomplete(
     mut found: Diagnosis,
-    settings: DiscoverySettings,
+    (settings, data_check): (DiscoverySettings, DataCheck),
     origin: &Origin,
     out: Option<PathBuf>,
     result: Option<PathBuf>,
     why: &str,
 ) -> Kept {
-    let summary =
-        DiscoverySummary { incomplete: Some(why.into()), ..DiscoverySummary::new(&found, settings) };
+    let summary = DiscoverySummary::new(&found, settings).with_data_check(data_check);
+    let summary = DiscoverySummary { incomplete: Some(why.into()), ..summary };
     let mut written = Vec::new();
     if let Some(out) = out {
         let fitted = &mut found.fit.fitted;

@@ -3,8 +3,9 @@
 use super::campaign::Campaign;
 use super::folds::{different, split, split_words};
 use super::identified::{conforms, refused, require, whole};
+use super::mistakes::Mistakes;
 use super::reporting::Folder;
-use super::{declared, parameters, points, print_json, read_files, robot, suspected};
+use super::{declared, parameters, points, print_json, read_files, robot};
 use crate::args::{Identify, Measured, Prior};
 use crate::failure::Failure;
 use crate::progress::Progress;
@@ -52,18 +53,22 @@ pub fn run(args: &Identify, watch: &Watch) -> Result<(), Failure> {
     };
     let files_read = (&*args.measured.robot.robot, &*args.measured.data);
     let solver = args.solver.build();
-    let campaign = Campaign::read(files_read, chain, effects, data, &info, (&*solver, &options.fit))?;
+    let mut campaign = Campaign::read(files_read, chain, effects, data, &info, (&*solver, &options.fit))?;
     options.fit = campaign.options(&options.fit);
-    let Campaign { chain, effects, data, .. } = &campaign;
-    points::one_point(chain, data, &info, &args.measured.data)?;
+    points::one_point(&campaign.chain, &campaign.data, &info, &args.measured.data)?;
     campaign.without_test_set(args.holdout)?;
     // Shown with the result, or with the error where there is none.
-    let suspected = suspected(chain, data, &args.measured.data);
+    let mistakes = Mistakes::of(&campaign.chain, &campaign.data, &args.measured.data);
+    let data_check = match args.fold_by.is_some() {
+        true => mistakes.check(), // folds are of all rows
+        false => campaign.without(&mistakes),
+    };
+    let Campaign { chain, effects, data, .. } = &campaign;
     let progress = Progress::steps(Step::ALL.len(), watch);
     let found =
         identify(chain, effects, data, &*solver, &options, &|step| progress.begin(progress_text(step)))
             .map_err(|error| {
-                terminal::warn(suspected.as_slice());
+                terminal::warn(mistakes.words.as_slice());
                 refused(args, error)
             })?;
     drop(progress);
@@ -75,7 +80,7 @@ pub fn run(args: &Identify, watch: &Watch) -> Result<(), Failure> {
         &args.solver.to_string(),
         options.split.as_ref().map(split_words),
     );
-    summary.warnings.splice(0..0, suspected);
+    summary = summary.with_data_check(data_check);
     if let Some(limit) = args.spec {
         summary = summary.with_specification(limit, &found, data);
     }

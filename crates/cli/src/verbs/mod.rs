@@ -22,6 +22,7 @@ mod init;
 mod iso9283;
 mod joint_units;
 mod map;
+pub(crate) mod mistakes;
 mod monitor;
 mod nominal;
 pub(crate) mod observers;
@@ -56,11 +57,9 @@ use crate::watch::Watch;
 use std::path::Path;
 use truepose_compensate::Status;
 use truepose_errormodel::effects::Geometric;
-use truepose_errormodel::{AnyEffect, Dataset, FittedModel, ModelError};
-use truepose_identify::suspicions;
+use truepose_errormodel::{AnyEffect, FittedModel, ModelError};
 use truepose_io::{CommandStatus, RobotOptions, read_model, read_robot};
 use truepose_kinematics::{Chain, TargetId};
-use truepose_report::suspicion_text;
 
 /// Runs a verb.
 pub fn run(verb: &Verb, files: &Files, watch: &Watch) -> Result<(), Failure> {
@@ -98,12 +97,6 @@ fn robot(args: &Robot) -> Result<Chain, Failure> {
     let (chain, warnings) = read_robot(&args.robot, &options)?;
     terminal::warn(&warnings);
     Ok(chain)
-}
-
-/// Suspected mistakes in a table, with the name of its file.
-fn suspected(chain: &Chain, data: &Dataset, file: &Path) -> Vec<String> {
-    let words = |found| format!("{}: {}", file.display(), suspicion_text(chain, &found, &data.line));
-    suspicions(chain, data).into_iter().map(words).collect()
 }
 
 /// The declared target of this name, if the fit knows where it is.

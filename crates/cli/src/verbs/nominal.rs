@@ -9,6 +9,8 @@ use truepose_report::significant;
 
 /// A nominal robot that leaves more than this share of its length is not the one that was measured, or written in another convention.
 const LOUD: f64 = 0.01;
+/// A residual beyond this share of its length is no error of a robot.
+const NO_ROBOT: f64 = 0.25;
 /// Below this share positions fit, and mistakes of orientations or of the tool are looked for; as in the search for them.
 const NEGLIGIBLE: f64 = 2e-3;
 /// Of orientations, rad: ten times what installed robots leave. A mistake that explains it is named.
@@ -39,7 +41,9 @@ impl Nominal {
         });
         let residual = data.and_then(|data| nominal_residual(chain, data).ok().flatten());
         let good = LOUD * chain.characteristic_length();
-        let rows = |cause: &Cause| matches!(cause, Cause::StrayRows { .. } | Cause::SwappedLabels { .. });
+        let rows = |cause: &Cause| {
+            matches!(cause, Cause::StrayRows { .. } | Cause::SwappedLabels { .. } | Cause::InSomeRows { .. })
+        };
         let off = residual.as_ref().is_some_and(|found| found.share() > NEGLIGIBLE);
         // Where a mistake of the table explains it, or a few rows, the description is not suspected.
         let mut others = suspected.iter().filter(|s| s.cause != Cause::BaseElsewhere && s.after < good);
@@ -98,6 +102,12 @@ impl Nominal {
             ));
         }
         list
+    }
+
+    /// Whether the robot as described leaves much, and one mistake in the description or in a convention explains it; or so much that no robot errs by it.
+    pub fn misread_throughout(&self) -> bool {
+        let share = self.residual.as_ref().map_or(0.0, NominalResidual::share);
+        !self.explained && (share > LOUD && !self.misread.is_empty() || share > NO_ROBOT)
     }
 
     /// For the terminal.

@@ -152,3 +152,48 @@ fn orientations_are_not_compared_after_positions_alone() {
         run.log
     );
 }
+
+/// Twenty rows of a campaign in inches under a header in mm: that is the finding, it stands first, and nothing else is made of it.
+#[test]
+fn rows_in_another_unit_are_named_first_and_left_out() {
+    let folder = Folder::empty();
+    folder.write("robot.toml", ROBOT);
+    folder.write(
+        "plant.toml",
+        "robot = \"robot.toml\"\nseed = 5\n[errors.geometric]\nposition_mm = 0.4\nangle_mrad = 0.5\n\
+         [instrument]\nsd_um = 20\n[campaign]\npostures = \"random\"\nvisits = 60\n",
+    );
+    folder.run(&["simulate", "--plant", "plant.toml", "--out", "data.csv"]).ended(0);
+    let table = folder.read("data.csv");
+    let header: Vec<&str> = table.lines().next().unwrap().split(',').collect();
+    let places: Vec<usize> =
+        ["x[mm]", "y[mm]", "z[mm]"].map(|name| header.iter().position(|h| *h == name).unwrap()).to_vec();
+    let spoilt = |(line, text): (usize, &str)| {
+        let cells = text.split(',').enumerate().map(|(k, cell)| match places.contains(&k) {
+            true if (30..50).contains(&line) => (cell.parse::<f64>().unwrap() / 25.4).to_string(),
+            _ => cell.to_owned(),
+        });
+        cells.collect::<Vec<_>>().join(",") + "\n"
+    };
+    folder.write("mixed.csv", &table.lines().enumerate().map(spoilt).collect::<String>());
+    let words = "Check the data first: mixed.csv: in rows 30 to 49 (lines 31 to 50), up to ";
+    for verb in ["identify", "discover"] {
+        let run = |more: &[&str]| {
+            folder.run(&[&[verb, "--robot", "robot.toml", "--data", "mixed.csv"], more].concat()).ended(0).out
+        };
+        let out = run(&["--report", "page"]);
+        let (before, after) = out.split_once(words).unwrap_or_else(|| panic!("{out}"));
+        assert!(before.lines().filter(|line| !line.is_empty()).count() == 1, "{out}");
+        assert!(
+            after.contains("positions seem to be inches taken for millimetres: after scaling them"),
+            "{out}"
+        );
+        assert!(after.contains("20 rows are left out of all that follows."), "{out}");
+        assert!(folder.read("page/index.html").contains(words), "{verb}");
+        let found = json(&run(&["--json"]));
+        let left_out: Vec<u64> = (30..50).collect();
+        assert_eq!(found["data_check"]["rows_left_out"], serde_json::json!(left_out));
+        assert_eq!(found["data_check"]["in_doubt"], false);
+        assert_eq!(found["rows"], 100);
+    }
+}

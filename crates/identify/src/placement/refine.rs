@@ -16,7 +16,7 @@ use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use truepose_errormodel::Dataset;
 use truepose_errormodel::descent::{Schedule, descend, relative_gain};
 use truepose_kinematics::{
-    Chain, Placed, Pose, Target, TargetId, ToolId, rotation_log, rotation_vector, skew,
+    Chain, FrameId, Placed, Pose, Target, TargetId, ToolId, rotation_log, rotation_vector, skew,
 };
 use truepose_solvers::accumulator::{ColumnScale, Factor, Triangular};
 
@@ -74,6 +74,12 @@ impl Unknowns {
     pub fn target_column(&self, target: TargetId) -> Option<usize> {
         let place = self.targets.iter().position(|&t| t == target)?;
         Some(6 * (usize::from(self.base) + self.tools.len()) + 3 * place)
+    }
+
+    /// Frames that are looked for.
+    fn frames(&self, chain: &Chain) -> Vec<FrameId> {
+        let tools = self.tools.iter().map(|&tool| chain.frame_of_tool(tool));
+        self.base.then_some(FrameId::BASE).into_iter().chain(tools).collect()
     }
 
     /// Names of what is looked for.
@@ -158,6 +164,7 @@ impl State {
             .with_base(Placed { pose: self.base, known: true })
             .and_then(|c| c.with_placed_tools(&self.placed()))
             .and_then(|c| c.with_targets(targets))
+            .map(|c| c.with_found(&unknowns.frames(chain), &unknowns.targets))
             .map_err(wrong)
     }
 }

@@ -78,6 +78,13 @@ pub enum Cause {
         /// Numbers of these rows (0-based), in order.
         rows: Vec<usize>,
     },
+    /// Some rows, and no others, are as if something else had been done to them.
+    InSomeRows {
+        /// Numbers of these rows (0-based), in order.
+        rows: Vec<usize>,
+        /// What was done there.
+        mistake: Box<Cause>,
+    },
     /// Some rows lie far from where all the others say.
     StrayRows {
         /// Numbers of these rows (0-based), the farthest first.

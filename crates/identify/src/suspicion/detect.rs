@@ -9,6 +9,7 @@ use super::cause::{Cause, Suspicion};
 use super::registration::{self, Offset, Point};
 use super::{hypotheses, outlying};
 use nalgebra::Vector3;
+use std::collections::BTreeSet;
 use truepose_errormodel::{Dataset, Visits, configurations};
 use truepose_kinematics::{Chain, Placed};
 
@@ -25,6 +26,9 @@ const GOOD: f64 = 0.02;
 /// A base that is off by more than this share of the robot's length is elsewhere.
 const ELSEWHERE: f64 = 0.1;
 
+/// A row in which a mistake is undone lies within this many times the RMS of the others.
+const BACK: f64 = 5.0;
+
 /// A row that is farther off than this many times what nine tenths of the rows are is a stray one.
 const STRAY: f64 = 12.0;
 
@@ -36,6 +40,15 @@ pub fn suspicion(chain: &Chain, data: &Dataset) -> Option<Suspicion> {
 /// What looks wrong with a table: one mistake about all of it; or the rows that lie far from where the others say, those first that do so because
 /// the names of two targets are swapped in them.
 pub fn suspicions(chain: &Chain, data: &Dataset) -> Vec<Suspicion> {
+    let explained = |found: Suspicion| match &found.cause {
+        Cause::StrayRows { rows } => in_some_rows(chain, data, rows).unwrap_or_else(|| vec![found.clone()]),
+        _ => vec![found],
+    };
+    unexplained(chain, data).into_iter().flat_map(explained).collect()
+}
+
+/// The same, with rows that lie far off as no more than that.
+fn unexplained(chain: &Chain, data: &Dataset) -> Vec<Suspicion> {
     let Some(whole) = of_the_whole(chain, data) else { return Vec::new() };
     match whole {
         Some(found) => match &found.cause {
@@ -103,6 +116,52 @@ fn of_the_whole(chain: &Chain, data: &Dataset) -> Option<Option<Suspicion>> {
     Some(best.map(|(after, _, cause)| Suspicion { cause, before: free, after }))
 }
 
+/// Of rows that lie far off, those that come back to the others when one mistake is undone in them, and the rest; none where too few do.
+fn in_some_rows(chain: &Chain, data: &Dataset, stray: &[usize]) -> Option<Vec<Suspicion>> {
+    let far: BTreeSet<usize> = stray.iter().copied().collect();
+    let usable = |row: &usize| data.whole_position(*row) && !far.contains(row);
+    let others = Sample::of_rows(chain, data, &(0..data.len()).filter(usable).collect::<Vec<_>>())?;
+    let here = Sample::made(chain, data, far.iter().copied())?;
+    let (rms, before) = registration::distances(&others.points(None), &here.points(None), &others.offsets);
+    let good = f64::max(BACK * rms, NEGLIGIBLE * chain.characteristic_length());
+    let mut best: Option<(usize, f64, Cause, Vec<bool>)> = None;
+    for cause in hypotheses::causes(chain) {
+        if matches!(cause, Cause::StaleJoints { .. }) {
+            continue;
+        }
+        let after =
+            registration::distances(&others.points(None), &here.points(Some(&cause)), &others.offsets).1;
+        let back: Vec<bool> = after.iter().zip(&before).map(|(a, b)| *a < good && *a < GAIN * b).collect();
+        let count = back.iter().filter(|back| **back).count();
+        let left = after.iter().zip(&back).filter(|(_, back)| **back).map(|(a, _)| a * a).sum::<f64>();
+        let left = (left / count.max(1) as f64).sqrt();
+        // One row alone is turned by some change or other; a unit is no such change.
+        let enough = if matches!(cause, Cause::PositionUnit { .. }) { 1 } else { 3 };
+        let more =
+            best.as_ref().is_none_or(|(most, least, ..)| count > *most || count == *most && left < *least);
+        if count >= enough && 2 * count >= far.len() && more {
+            best = Some((count, left, cause, back));
+        }
+    }
+    let (_, after, mistake, back) = best?;
+    let farthest = |of: bool| {
+        let of = before.iter().zip(&back).filter(|(_, back)| **back == of);
+        of.map(|(before, _)| *before).fold(0.0, f64::max)
+    };
+    let part = |of: bool| -> Vec<usize> {
+        far.iter().zip(&back).filter(|(_, back)| **back == of).map(|(row, _)| *row).collect()
+    };
+    let cause = Cause::InSomeRows { rows: part(true), mistake: Box::new(mistake) };
+    let mut all = vec![Suspicion { cause, before: farthest(true), after }];
+    let mut rest: Vec<usize> = part(false);
+    if !rest.is_empty() {
+        let order = |row: &usize| stray.iter().position(|known| known == row);
+        rest.sort_by_key(order);
+        all.push(Suspicion { cause: Cause::StrayRows { rows: rest }, before: farthest(false), after: rms });
+    }
+    Some(all)
+}
+
 /// Rows far from where the others say, of those that are looked at.
 fn stray(sampled: &Sample<'_>, length: f64) -> Option<Suspicion> {
     let points = sampled.points(None);
@@ -145,6 +204,19 @@ struct Row {
 
 impl<'a> Sample<'a> {
     fn of(chain: &'a Chain, data: &Dataset) -> Option<Self> {
+        let whole = |row: &usize| data.whole_position(*row);
+        Self::of_rows(chain, data, &(0..data.len()).filter(whole).collect::<Vec<_>>())
+    }
+
+    /// Of these rows, evenly taken; none where they are too few.
+    fn of_rows(chain: &'a Chain, data: &Dataset, usable: &[usize]) -> Option<Self> {
+        let step = usable.len().div_ceil(ROWS).max(1);
+        Self::made(chain, data, usable.iter().copied().step_by(step))
+            .filter(|sampled| sampled.rows.len() >= CONFIGURATIONS)
+    }
+
+    /// Of all these rows.
+    fn made(chain: &'a Chain, data: &Dataset, chosen: impl Iterator<Item = usize>) -> Option<Self> {
         if !chain.is_serial() {
             return None;
         }
@@ -152,16 +224,11 @@ impl<'a> Sample<'a> {
             chain.clone().with_base(Placed::default()).and_then(|c| c.with_tool(Placed::default())).ok()?;
         let visits = Visits::of(data).rows;
         let q = |row: usize| data.joints.iter().map(|column| column[row]).collect::<Vec<f64>>();
-        let whole = |row: &usize| data.whole_position(*row);
-        let usable: Vec<usize> = (0..data.len()).filter(whole).collect();
-        let step = usable.len().div_ceil(ROWS).max(1);
         let of_visit = |visit: Option<usize>| {
             visit.and_then(|v| visits.get(v)).and_then(|rows| rows.first()).map(|&r| q(r))
         };
-        let rows = usable
-            .iter()
-            .step_by(step)
-            .map(|&row| Row {
+        let rows: Vec<Row> = chosen
+            .map(|row| Row {
                 number: row,
                 measured: data.measured_position(row),
                 joints: q(row),
@@ -178,8 +245,7 @@ impl<'a> Sample<'a> {
                 .iter()
                 .map(|t| Offset { at: tool.pose.apply(&t.position), known: t.known && tool.known }),
         );
-        let rows: Vec<Row> = rows;
-        (rows.len() >= CONFIGURATIONS).then_some(Sample { chain, bare, offsets, rows })
+        Some(Sample { chain, bare, offsets, rows })
     }
 
     /// The points with a cause undone.

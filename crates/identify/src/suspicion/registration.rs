@@ -64,6 +64,12 @@ pub(super) fn without_strays(points: &[Point], offsets: &[Offset]) -> (f64, Vec<
     (at(&kept, &offsets, &base), distances)
 }
 
+/// What is left of these points with base and offsets where they fit best (m, RMS), and how far each of `others` is from there (m).
+pub(super) fn distances(points: &[Point], others: &[Point], offsets: &[Offset]) -> (f64, Vec<f64>) {
+    let (base, offsets) = placed(points, offsets);
+    (at(points, &offsets, &base), others.iter().map(|p| distance(p, &offsets, &base)).collect())
+}
+
 /// Base and offsets that fit best.
 fn placed(points: &[Point], offsets: &[Offset]) -> (Pose, Vec<Offset>) {
     let mut offsets = offsets.to_vec();

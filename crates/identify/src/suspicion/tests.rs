@@ -156,3 +156,25 @@ fn names_that_were_swapped_in_some_rows_are_told_whether_or_not_targets_are_know
         assert_eq!(causes, [swapped, Cause::StrayRows { rows: vec![50] }], "known {known}: {told:?}");
     }
 }
+
+/// Rows 20 to 31 are mistaken, and no others.
+#[test]
+fn a_mistake_in_some_rows_is_named_with_its_rows() {
+    let (chain, good) = measured(&samples::ur10(), 5);
+    type Spoil = fn(&mut Dataset, usize);
+    let mistakes: [(Cause, Spoil); 3] = [
+        (Cause::PositionUnit { factor: 25.4 }, |d, row| d.position[row].iter_mut().for_each(|v| *v /= 25.4)),
+        (Cause::SwappedAxes { a: 0, b: 2 }, |d, row| d.position[row].swap(0, 2)),
+        (Cause::MirroredAxis { axis: 1 }, |d, row| d.position[row][1] *= -1.0),
+    ];
+    for (mistake, spoil) in mistakes {
+        let mut data = good.clone();
+        (20..32).for_each(|row| spoil(&mut data, row));
+        let told = suspicions(&chain, &data);
+        let rows = told.iter().flat_map(|found| match &found.cause {
+            Cause::InSomeRows { rows, mistake: of } if **of == mistake => rows.clone(),
+            _ => Vec::new(),
+        });
+        assert!(rows.eq(20..32), "{mistake:?}: {told:?}");
+    }
+}

@@ -21,6 +21,13 @@ impl DiscoverySummary {
             (1, _) => format!("The declared model lacks one effect: {}.", names.join(", ")),
             (count, _) => format!("The declared model lacks {count} effects: {}.", names.join(", ")),
         };
+        let answer = match self.data_check.in_doubt && !names.is_empty() {
+            true => format!(
+                "With the data as it is the search adds {}; that is no finding about the robot.",
+                names.join(", ")
+            ),
+            false => answer,
+        };
         let outliers =
             self.effects.iter().filter(|effect| !named(effect)).map(|effect| effect.rows.len()).sum();
         let answer = match outliers {

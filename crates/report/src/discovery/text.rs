@@ -18,6 +18,7 @@ pub(crate) const WITHOUT_EXCLUDED: &str = "without the excluded rows";
 impl fmt::Display for DiscoverySummary {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "{}", heading(&self.robot, self.rows, self.visits))?;
+        write!(f, "{}", self.data_check)?;
         if let Some(observers) = &self.observers {
             writeln!(f, "\n{}", observers.sentence().trim_end())?;
         }

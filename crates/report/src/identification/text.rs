@@ -15,6 +15,7 @@ impl fmt::Display for IdentificationSummary {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let heading = heading(&self.robot, self.rows, self.visits);
         writeln!(f, "{heading}, {}", count(self.configurations, "configuration"))?;
+        write!(f, "{}", self.data_check)?;
         writeln!(f, "\n{}\n{}", self.verdict, self.limit)?;
         if let Some(landmarks) = &self.landmarks {
             writeln!(f, "{}", landmarks.sentences())?;

@@ -28,6 +28,7 @@ pub fn discovery_report(
     let poses = format!("{} ({})", summary.visits, count(summary.rows, "row"));
     page.head(run, &[("pose measurements", poses)]);
     page.section("Verdict");
+    page.data_check(&summary.data_check);
     if let Some(observers) = &summary.observers {
         page.text(observers.sentence().trim_end());
     }

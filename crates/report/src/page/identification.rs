@@ -45,6 +45,7 @@ pub fn identification_report(
     let poses = format!("{} ({})", summary.visits, count(summary.rows, "row"));
     page.head(run, &[("pose measurements", poses)]);
     page.section("Verdict");
+    page.data_check(&summary.data_check);
     verdict(&mut page, summary);
     page.end_of_sheet();
     let rows = rows(found, data, labels);

@@ -27,8 +27,8 @@ pub use places::{
 };
 pub use program::{CorrectionView, ProgramView, program_report};
 
-use crate::RunRecord;
 use crate::figure::{COLOURS, escape, standalone};
+use crate::{DataCheck, RunRecord};
 use std::fmt::Write;
 
 const STYLE: &str = include_str!("style.css");
@@ -82,6 +82,11 @@ impl Page {
     /// A paragraph of text.
     pub(crate) fn text(&mut self, text: &str) {
         let _ = write!(self.body, "<p>{}</p>", escape(text));
+    }
+
+    /// What seems wrong with the data; nothing where nothing does.
+    pub(crate) fn data_check(&mut self, check: &DataCheck) {
+        check.sentences().iter().for_each(|sentence| self.text(sentence));
     }
 
     /// A paragraph in small print; nothing for an empty text.

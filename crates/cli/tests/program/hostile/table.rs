@@ -215,7 +215,9 @@ fn fill(value: &mut Value, words: &BTreeMap<String, String>) {
 /// What a run emits besides its result: errors and warnings, without help on the usage.
 fn remarks(run: &Run) -> String {
     let log = run.log.split("\n\n").next().unwrap_or_default();
-    let warnings = run.out.lines().filter(|line| line.starts_with("warning: "));
+    let of_the_result =
+        |line: &&str| ["warning: ", "Check the data first: "].iter().any(|head| line.starts_with(head));
+    let warnings = run.out.lines().filter(of_the_result);
     let all = log.lines().filter(|line| !line.starts_with("wrote ")).chain(warnings);
     all.collect::<Vec<_>>().join("\n")
 }

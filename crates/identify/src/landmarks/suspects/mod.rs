@@ -25,11 +25,11 @@ mod order;
 pub use allowed::allowed_for;
 
 use super::Touched;
-use crate::{Fit, IdentifyError};
+use crate::{Fit, FitOptions, IdentifyError, Residuals, fit_again};
 use design::{Design, LEVEL, Tested};
-use nalgebra::Vector3;
 use truepose_errormodel::{Column, Dataset, ErrorModel, own_channel};
 use truepose_kinematics::{FrameId, SEEN, Site, ToolId};
+use truepose_solvers::PivotedQr;
 
 /// What an observation takes as given, and what is wrong with it.
 #[derive(Debug, Clone, PartialEq)]
@@ -84,7 +84,7 @@ pub fn suspects(fit: &Fit, data: &Dataset, touched: &Touched) -> Result<Vec<Susp
             (column.name.clone(), *value, *sd, column.unit.clone())
         };
         let values = columns.iter().zip(&tested.values).map(value).collect();
-        let instead = if what == ROW { touched_instead(derived, touched, from, &tested) } else { None };
+        let instead = if what == ROW { touched_instead(fit, data, touched, from)? } else { None };
         found.push(Suspect { name, what, from, instead, values, size: tested.size / weight, p_value });
         if !design.join(&tested) {
             break;
@@ -137,21 +137,35 @@ fn carries_one_camera(data: &Dataset, touched: &Touched, rows: &[usize]) -> bool
     first.is_some() && rows.iter().all(|&row| seen(row) == first)
 }
 
-/// The landmark at which a row was that named another one: the nearest to where the robot says that it was, much nearer than the one it names.
-fn touched_instead(data: &Dataset, touched: &Touched, row: Option<usize>, tested: &Tested) -> Option<String> {
+/// The landmark at which a row was that named another one: the nearest to where the robot is by a fit of the other rows, much nearer than the one it
+/// names.
+fn touched_instead(
+    fit: &Fit,
+    data: &Dataset,
+    touched: &Touched,
+    row: Option<usize>,
+) -> Result<Option<String>, IdentifyError> {
     /// Of the distance to the landmark that it names, at most so much.
     const NEAR: f64 = 0.1;
-    let (row, [x, y, z]) = (row?, tested.values.as_slice()) else { return None };
-    let off = Vector3::new(x.0, y.0, z.0);
-    let own = data.landmark(row)?;
-    let was = data.measured_position(row) - off;
-    let place = |k: usize| {
-        let other = (0..data.len()).find(|&other| data.landmark(other) == Some(k))?;
-        Some((k, (data.measured_position(other) - was).norm()))
+    let Some((row, own)) = row.and_then(|row| Some((row, data.landmark(row)?))) else { return Ok(None) };
+    let others: Vec<usize> = (0..data.len()).filter(|&other| other != row).collect();
+    let rest = data.select(&others);
+    let Ok(again) = fit_again(fit, &rest, &PivotedQr::default(), &FitOptions::default()) else {
+        return Ok(None);
     };
-    let others = (0..touched.names.len()).filter(|&k| k != own).filter_map(place);
-    let (k, away) = others.min_by(|a, b| a.1.total_cmp(&b.1))?;
-    (away < NEAR * off.norm()).then(|| touched.names[k].clone())
+    // Where the robot is beside the place of a landmark, as both are fitted.
+    let away = |k: usize| {
+        let there = (0..data.len()).find(|&other| other != row && data.landmark(other) == Some(k))?;
+        let mut one = data.select(&[row]);
+        one.position[0] = data.position[there];
+        one.set_landmarks(Some(&[Some(k)]));
+        let left = Residuals::of(&again.fitted, &one).ok()?.position[0].norm();
+        left.is_finite().then_some((k, left))
+    };
+    let nearest =
+        (0..touched.names.len()).filter(|&k| k != own).filter_map(away).min_by(|a, b| a.1.total_cmp(&b.1));
+    let found = nearest.zip(away(own)).filter(|((_, left), (_, named))| *left < NEAR * named);
+    Ok(found.map(|((k, _), _)| touched.names[k].clone()))
 }
 
 /// A test, and what it says where it is significant.
