@@ -24,8 +24,8 @@
 //! | u = Qᵀ Σ^{−1/2} β | the most likely errors in prior units | p |
 //! | γ_j = (Qᵀ H Q)_jj | how much of u_j the data decides, 0…1 | p |
 //!
-//! Unknowns that are counted from where an earlier fit has found them have a width that holds them to nothing, and κ is that of the others: places of
-//! landmarks, unknowns of sensors, a base, tool or target that was not known, the bases of further sessions. None gets narrower than κ: what the data leaves open would seem to be known to be nothing. And a kind of few unknowns is held no closer
+//! Unknowns that are counted from where an earlier fit has found them have a width that holds them to nothing: places of landmarks, unknowns of
+//! sensors, a base, tool or target that was not known, the bases of further sessions. κ is looked for without those of the installation. None gets narrower than κ: what the data leaves open would seem to be known to be nothing. And a kind of few unknowns is held no closer
 //! than ten expected sizes: what the many others are like says nothing of a gap or a spring, and one or two of them say too little
 //! about what is usual.
 
@@ -70,7 +70,7 @@ pub struct Prior {
     pub kappa: f64,
     /// w, one a kind of unknown.
     pub widths: Vec<f64>,
-    /// Groups that are held to nothing.
+    /// Groups with an error of an installation that was found.
     free: Vec<usize>,
 }
 
@@ -110,9 +110,9 @@ impl Prior {
             unit.column_mut(k).scale_mut(1.0 / scale(group.column));
             spread.row_mut(k).scale_mut(scale(group.column));
         }
-        let flat = flat_columns(model);
         let held_to_nothing = |group: &Group| {
-            flat[group.column] || group.members.iter().any(|&(column, share)| share != 0.0 && flat[column])
+            let members = group.members.iter().filter(|(_, share)| *share != 0.0).map(|(column, _)| *column);
+            std::iter::once(group.column).chain(members).any(|column| installed(model, column))
         };
         let free = (0..rank).filter(|&k| held_to_nothing(&reduction.groups[k])).collect();
         Prior { unit, spread, kappa, widths, free }
@@ -312,14 +312,18 @@ const FLAT: f64 = 1e3;
 
 /// For each column: whether it is counted from where it was found.
 fn flat_columns(model: &ErrorModel) -> Vec<bool> {
+    let own = [Landmarks::FAMILY, Observed::FAMILY];
     let flat = |column: usize| {
-        let (of, effect) = (&model.columns()[column], &model.effects()[model.effect_of(column)]);
-        let base_of_session = effect.concrete::<Session>().is_some_and(|of| of.own == Own::Base);
-        base_of_session
-            || [Landmarks::FAMILY, Observed::FAMILY].contains(&effect.kind())
-            || of.site.is_some_and(|site| model.chain().was_found(site))
+        own.contains(&model.effects()[model.effect_of(column)].kind()) || installed(model, column)
     };
     (0..model.columns().len()).map(flat).collect()
+}
+
+/// Whether a column is of a base, tool or target that was found, or of the base of a further session.
+fn installed(model: &ErrorModel, column: usize) -> bool {
+    let base = |of: &Session| of.own == Own::Base;
+    model.effects()[model.effect_of(column)].concrete::<Session>().is_some_and(base)
+        || model.columns()[column].site.is_some_and(|site| model.chain().was_found(site))
 }
 
 /// For each kind: whether its unknowns are counted from where they were found.
