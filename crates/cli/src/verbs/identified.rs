@@ -46,13 +46,23 @@ pub(super) fn refused(args: &Identify, error: IdentifyError) -> Failure {
 pub(super) fn conforms(specification: Option<&SpecificationSummary>) -> Result<(), Failure> {
     match specification {
         Some(of) if of.verdict == Verdict::Fail => Err(Failure::Criterion(of.sentence())),
+        Some(of) if of.poses == 0 => Err(Failure::Criterion(
+            "no held-out pose has a complete position, so that none can be compared with the specification"
+                .into(),
+        )),
         _ => Ok(()),
     }
 }
 
-/// Compares an RMS (m) with `--require`.
-pub(super) fn require(args: &Identify, rms: f64) -> Result<(), Failure> {
+/// Compares the RMS (m) of so many rows with `--require`; of none nothing is known.
+pub(super) fn require(args: &Identify, rms: f64, rows: usize) -> Result<(), Failure> {
     let Some(required) = args.require else { return Ok(()) };
+    if rows == 0 {
+        return Err(Failure::Criterion(format!(
+            "no row has a complete position, so that there is no RMS to compare with the required {}; the errors by axis are of what was measured",
+            millimetres(required)
+        )));
+    }
     if rms <= required {
         return Ok(());
     }

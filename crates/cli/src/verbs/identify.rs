@@ -125,7 +125,8 @@ pub fn run(args: &Identify, watch: &Watch) -> Result<(), Failure> {
     }
     conforms(summary.specification.as_ref())?;
     let Some(last) = summary.stages.last() else { return Ok(()) };
-    require(args, last.test_set.or(last.held_out).unwrap_or(last.train).rms_mm * 1e-3)
+    let judged = last.test_set.or(last.held_out).unwrap_or(last.train);
+    require(args, judged.rms_mm * 1e-3, judged.count)
 }
 
 /// The command that looks for the effect that is lacking.

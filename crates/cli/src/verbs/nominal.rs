@@ -35,9 +35,10 @@ impl Nominal {
         let bare = chain.clone().with_base(Placed::default()).and_then(|c| c.with_tool(Placed::default()));
         let bare = bare.unwrap_or_else(|_| chain.clone());
         let zeros = bare.forward(&vec![0.0; chain.movable().len()]);
-        let first = data.filter(|data| !data.is_empty()).map(|data| {
-            let joints: Vec<f64> = data.joints.iter().map(|column| column[0]).collect();
-            (data.line[0], bare.forward(&joints))
+        // Rows of no file have no lines.
+        let first = data.and_then(|data| {
+            let joints: Option<Vec<f64>> = data.joints.iter().map(|column| column.first().copied()).collect();
+            Some((*data.line.first()?, bare.forward(&joints?)))
         });
         let residual = data.and_then(|data| nominal_residual(chain, data).ok().flatten());
         let good = LOUD * chain.characteristic_length();

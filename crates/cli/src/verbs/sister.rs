@@ -63,7 +63,7 @@ pub fn run(args: &Identify, file: &Path) -> Result<(), Failure> {
     if let Some(out) = &args.out {
         terminal::log(&format!("wrote {}", out.display()));
     }
-    super::identified::require(args, summary.used_mm() * 1e-3)
+    super::identified::require(args, summary.used_mm() * 1e-3, data.len())
 }
 
 /// What speaks against a prior: it is no fleet's, or these rows are in it.

@@ -71,7 +71,8 @@ pub fn identify(
         write_fit(out, &found.fit.fitted)?;
         terminal::log(&format!("wrote {}", out.display()));
     }
-    require(args, summary.held_out.unwrap_or(summary.train).rms_mm * 1e-3)
+    let judged = summary.held_out.unwrap_or(summary.train);
+    require(args, judged.rms_mm * 1e-3, judged.count)
 }
 
 /// A file of measurements.

@@ -197,3 +197,34 @@ fn rows_in_another_unit_are_named_first_and_left_out() {
         assert_eq!(found["rows"], 100);
     }
 }
+
+/// Rows with x alone, as of an interferometer: there is no 3-D error, and a gate does not pass on it.
+#[test]
+fn a_gate_does_not_pass_on_rows_without_a_complete_position() {
+    let folder = narrow();
+    let table = folder.read("data.csv");
+    let header: Vec<&str> = table.lines().next().unwrap().split(',').collect();
+    let open: Vec<usize> =
+        ["y[mm]", "z[mm]"].map(|name| header.iter().position(|h| *h == name).unwrap()).to_vec();
+    let without = |(line, text): (usize, &str)| {
+        let cells = text.split(',').enumerate().map(|(k, cell)| match line > 0 && open.contains(&k) {
+            true => "",
+            false => cell,
+        });
+        cells.collect::<Vec<_>>().join(",") + "\n"
+    };
+    folder.write("x.csv", &table.lines().enumerate().map(without).collect::<String>());
+    let run = |gate: &[&str], code: i32| {
+        let identify = ["identify", "--robot", "robot.toml", "--data", "x.csv"];
+        folder.run(&[&identify[..], gate].concat()).ended(code)
+    };
+    let told = run(&["--require", "0.001mm"], 1);
+    assert!(
+        told.out.contains("No row has a complete position, so that there is no 3-D position error"),
+        "{}",
+        told.out
+    );
+    assert!(told.log.contains("no row has a complete position"), "{}", told.log);
+    assert!(run(&["--spec", "0.001mm"], 1).log.contains("none can be compared with the specification"));
+    run(&[], 0);
+}

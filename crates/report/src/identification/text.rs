@@ -285,6 +285,12 @@ impl IdentificationSummary {
         };
         let prefix = prefix_of(self.converged);
         let Some(last) = self.stages.last().map(judged) else { return prefix.trim_end().into() };
+        if last.count == 0 {
+            return format!(
+                "{prefix}No row has a complete position, so that there is no 3-D position error {rows}; the errors of what was measured are below{}.",
+                if self.axes.iter().any(|axis| axis.count > 0) { ", by axis" } else { "" }
+            );
+        }
         let stage =
             |stage: &StageSummary| format!("{} mm ({})", significant(judged(stage).rms_mm, 3), stage.name);
         format!(
