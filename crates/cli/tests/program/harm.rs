@@ -228,3 +228,39 @@ fn a_gate_does_not_pass_on_rows_without_a_complete_position() {
     assert!(run(&["--spec", "0.001mm"], 1).log.contains("none can be compared with the specification"));
     run(&[], 0);
 }
+
+/// An exact arm and too few poses for its model without a prior: unseen poses are predicted much worse than by base and tool alone.
+#[test]
+fn a_contradicted_fit_is_refused_until_it_is_accepted() {
+    let folder = Folder::empty();
+    folder.write("robot.toml", ROBOT);
+    let simulated = |visits: usize| {
+        folder.write(
+            "plant.toml",
+            &format!(
+                "robot = \"robot.toml\"\nseed = 5\n[instrument]\nsd_um = 20\n[campaign]\npostures = \"random\"\nvisits = {visits}\n"
+            ),
+        );
+        folder.run(&["simulate", "--plant", "plant.toml", "--out", "data.csv"]).ended(0);
+        let identify = [
+            "identify",
+            "--robot",
+            "robot.toml",
+            "--data",
+            "data.csv",
+            "--prior",
+            "none",
+            "--out",
+            "fit.json",
+        ];
+        folder.run(&identify).ended(0);
+        json(&folder.read("fit.json"))["provenance"]["verdict"]["contradicted"].clone()
+    };
+    let predict = ["predict", "--fit", "fit.json", "--data", "data.csv", "--out", "p.csv"];
+    assert_eq!(simulated(60), false);
+    folder.run(&predict).ended(0);
+    assert_eq!(simulated(5), true);
+    let refused = folder.run(&predict).ended(2).log;
+    assert!(refused.contains("it predicts unseen poses worse than base and tool alone"), "{refused}");
+    folder.run(&[&predict[..], &["--accept"]].concat()).ended(0);
+}

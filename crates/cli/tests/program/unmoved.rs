@@ -1,4 +1,4 @@
-//! A model that nothing moves: no coefficient has a scatter, and every verb says what there is to say.
+//! A model that nothing moves: no coefficient has a scatter, and every verb ends with a result or an error.
 
 use crate::folder::Folder;
 

@@ -80,7 +80,7 @@ fn an_arm_is_carried_into_another_installation() {
     folder.write("few.csv", &(few.join("\n") + "\n"));
     let made =
         folder.run(&["transfer", "--fit", "fit.json", "--data", "few.csv", "--out", "moved.json"]).ended(0);
-    // A mirrored instrument: the file says that the arm does not fit, and verbs refuse it.
+    // A mirrored instrument: the file contains that the arm does not fit, and verbs refuse it.
     let mirrored: Vec<String> = few
         .iter()
         .enumerate()
