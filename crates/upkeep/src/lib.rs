@@ -9,6 +9,7 @@ mod noise_law;
 mod prediction;
 mod rows;
 mod sister;
+mod tails;
 mod transfer;
 
 pub use advice::{Advised, TransferPoses, transfer_poses};

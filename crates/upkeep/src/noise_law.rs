@@ -43,9 +43,18 @@ impl NoiseLaw {
         NoiseLaw(Some(freedom).filter(|freedom| *freedom < KNOWN))
     }
 
+    /// With this share of the degrees of freedom.
+    pub fn share(self, share: f64) -> Self {
+        NoiseLaw(self.0.map(|freedom| (share * freedom).max(1.0)))
+    }
+
     /// P(X ≥ x), with k degrees of freedom.
     pub fn beyond(self, x: f64, k: usize) -> f64 {
-        let k = k as f64;
+        self.beyond_of(x, k as f64)
+    }
+
+    /// The same of a number of degrees of freedom that need not be whole.
+    pub fn beyond_of(self, x: f64, k: f64) -> f64 {
         match self.0 {
             Some(freedom) => FisherSnedecor::new(k, freedom).map_or(1.0, |law| law.sf(x / k)),
             None => ChiSquared::new(k).map_or(1.0, |law| law.sf(x)),

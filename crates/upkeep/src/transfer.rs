@@ -17,6 +17,7 @@ use crate::installation::{Installation, moved, with_columns};
 use crate::noise_law::NoiseLaw;
 use crate::prediction::{Prediction, Weighing, oriented, seen};
 use crate::rows::carried;
+use crate::tails::Tails;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use serde::Serialize;
 use truepose_errormodel::{Beyond, Coverage, Dataset, Domain, FittedModel};
@@ -130,13 +131,21 @@ pub fn transfer(
     if options.update {
         now.domain.widen(&Domain::of(data));
     }
-    let fits = found.fits(&rows, NoiseLaw::of(fitted));
+    let expected = rows.expected(&prior, prior.covariance());
+    let mut fits = found.fits(&rows, NoiseLaw::of(fitted));
+    if let Some(tails) = Tails::of(fitted)? {
+        let mut rows = rows;
+        tails.bound(&mut rows);
+        let law = NoiseLaw::of(fitted).share(tails.freedom);
+        let bounded = Estimate::of(&rows, prior.covariance())?.chi_square;
+        let freedom = tails.freedom * fits.degrees_of_freedom as f64;
+        fits.p_value = fits.p_value.map(|_| law.beyond_of(tails.freedom * bounded, freedom));
+    }
     let advised = advised(&now, &sites, &found.spread, data)?;
     let bands = match (band(fitted)?, band(&now)?) {
         (Some(before), Some(after)) => Some((before, after)),
         _ => None,
     };
-    let expected = rows.expected(&prior, prior.covariance());
     let beyond = beyond(fitted, data)?;
     let residual = Residuals::of(&now, data)?.positions();
     let deviations = sites.iter().enumerate().map(|(k, &site)| (site, found.spread[(k, k)].sqrt())).collect();

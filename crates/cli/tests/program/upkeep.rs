@@ -177,3 +177,49 @@ fn a_tracker_that_was_set_up_anew_is_not_a_changed_robot() {
     let other = folder.run(&["monitor", "--fit", "fit.json", "--data", "other.csv"]).ended(3).out;
     assert!(!other.contains("Most likely"), "{other}");
 }
+
+/// Student's t with 2.5 degrees of freedom, whose fourth moment does not exist: a variance that few numbers made is not that of the next ones.
+#[test]
+fn an_unchanged_robot_whose_noise_has_tails_is_not_called_changed() {
+    let mut state = 3u64;
+    let mut uniform = move || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 11) as f64 / (1u64 << 53) as f64
+    };
+    let mut normal = move || (0..12).map(|_| uniform()).sum::<f64>() - 6.0;
+    let mut changed = 0;
+    for _ in 0..10 {
+        let folder = Folder::with_data();
+        for name in ["data.csv", "today.csv"] {
+            let seed = if name == "data.csv" { "3" } else { "9" };
+            let run = ["simulate", "--plant", "plant.toml", "--campaign-seed", seed, "--out", name];
+            folder.run(&run).ended(0);
+            let table = folder.read(name);
+            let (head, rows) = table.split_once('\n').unwrap();
+            let places: Vec<usize> = ["x[mm]", "y[mm]", "z[mm]"]
+                .map(|name| head.split(',').position(|h| h == name).unwrap())
+                .to_vec();
+            let mut noisy = head.to_owned() + "\n";
+            for row in rows.lines() {
+                let mut cells: Vec<String> = row.split(',').map(str::to_owned).collect();
+                for &place in &places {
+                    let chi_square = normal().powi(2) + normal().powi(2) + 0.5 * normal().powi(2);
+                    let t = normal() / (chi_square / 2.5).sqrt();
+                    cells[place] = (cells[place].parse::<f64>().unwrap() + 0.05 * t).to_string();
+                }
+                noisy += &(cells.join(",") + "\n");
+            }
+            folder.write(name, &noisy);
+        }
+        folder
+            .run(&["identify", "--robot", "robot.toml", "--data", "data.csv", "--out", "fit.json"])
+            .ended(0);
+        let look = folder.run(&["monitor", "--fit", "fit.json", "--data", "today.csv", "--json"]);
+        changed += usize::from(serde_json::from_str::<Value>(&look.out).unwrap()["changed"] == true);
+        // Another robot of the same type is another one all the same.
+        simulated(&folder, "other.csv", "seed = 3", "seed = 4");
+        folder.run(&["monitor", "--fit", "fit.json", "--data", "other.csv"]).ended(3);
+    }
+    // At the level of 0.005; of squares that are not bounded, a third.
+    assert!(changed <= 1, "{changed}");
+}

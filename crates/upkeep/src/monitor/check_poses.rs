@@ -19,6 +19,7 @@ use super::suspects::{Suspect, suspects};
 use super::{Detectable, level};
 use crate::UpkeepError;
 use crate::prediction::{Prediction, root};
+use crate::tails::Tails;
 use nalgebra::DMatrix;
 use truepose_errormodel::{Dataset, FittedModel};
 use truepose_kinematics::Conditions;
@@ -52,8 +53,10 @@ pub fn check_poses(fitted: &FittedModel, count: usize, alpha: f64) -> Result<Che
     let choice = Choice::of(fitted, &candidates, &of_pose, &pool)?;
     let chosen = choice.best(count.min(of_pose.len()));
     let rows: Vec<usize> = chosen.iter().flat_map(|&pose| of_pose[pose].iter().copied()).collect();
-    let rows = Prediction::of(fitted, &[], &pool.select(&rows))?;
-    let test = ScoreTest::of(fitted, &rows)?;
+    let mut rows = Prediction::of(fitted, &[], &pool.select(&rows))?;
+    let tails = Tails::of(fitted)?;
+    tails.iter().for_each(|tails| tails.bound(&mut rows));
+    let test = ScoreTest::of(fitted, &rows, tails)?;
     let groups = alike::groups(&test.information(&rows), &candidates);
     // As a look with these poses tests them.
     let level = level(alpha, 1) / (2.0 * groups.len().max(1) as f64);

@@ -17,7 +17,7 @@
 //!
 //! Q as in [`crate::transfer`]: residuals weighed with noise and with what the fit leaves open, an installation that is found anew projected out.
 //! Source: score tests, Rao (1948). A change that one coefficient explains is looked for in the directions of the suspects; any other one in
-//! T_0. Suspects that move the measured points alike ([`alike`]) are one question and one test.
+//! T_0. Where the residuals of the fit have tails, numbers far out are bounded first ([`crate::tails`]). Suspects that move the measured points alike ([`alike`]) are one question and one test.
 
 mod alike;
 mod check_poses;
@@ -31,6 +31,7 @@ pub use spending::level;
 use crate::UpkeepError;
 use crate::installation::Installation;
 use crate::prediction::{Prediction, oriented, seen};
+use crate::tails::Tails;
 use score::ScoreTest;
 use serde::Serialize;
 use suspects::suspects;
@@ -184,11 +185,14 @@ fn look(fitted: &FittedModel, data: &Dataset, options: MonitorOptions) -> Result
     let placement = place_fitted(fitted, &options.installation.unknown(fitted.chain())?, data)?;
     let sites = options.installation.sites(&placement, &seen(data), oriented(fitted, data))?;
     let fitted = fitted.on(placement.chain)?;
-    let rows = Prediction::of(&fitted, &sites, data)?;
+    let mut rows = Prediction::of(&fitted, &sites, data)?;
     if rows.len() <= sites.len() {
         return Err(UpkeepError::TooFew { have: rows.len(), need: sites.len() + 1 });
     }
-    let test = ScoreTest::of(&fitted, &rows)?;
+    let tails = Tails::of(&fitted)?;
+    let expected = rows.expected(&fitted, fitted.covariance());
+    tails.iter().for_each(|tails| tails.bound(&mut rows));
+    let test = ScoreTest::of(&fitted, &rows, tails)?;
     let level = level(options.alpha, options.looks + 1);
     let candidates = suspects(&fitted, &sites);
     let groups = alike::groups(&test.information(&rows), &candidates);
@@ -219,7 +223,7 @@ fn look(fitted: &FittedModel, data: &Dataset, options: MonitorOptions) -> Result
         rows: data.len(),
         poses: Visits::of(data).len(),
         rms: squares.sqrt(),
-        expected: rows.expected(&fitted, fitted.covariance()),
+        expected,
         p_value,
         p_overall,
         level,

@@ -5,6 +5,7 @@ use super::{Change, Coefficient, Detectable};
 use crate::UpkeepError;
 use crate::noise_law::NoiseLaw;
 use crate::prediction::{Prediction, Weighing};
+use crate::tails::Tails;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn, SymmetricEigen};
 use statrs::distribution::{ContinuousCDF, Normal};
 use truepose_errormodel::FittedModel;
@@ -24,10 +25,15 @@ pub(super) struct ScoreTest {
     chi_square: f64,
     freedom: usize,
     law: NoiseLaw,
+    /// Degrees of freedom of a squared number, over those of a normal one.
+    share: f64,
+    /// Whitened numbers for one of these.
+    unit: f64,
 }
 
 impl ScoreTest {
-    pub fn of(fitted: &FittedModel, rows: &Prediction) -> Result<Self, UpkeepError> {
+    /// `tails`: those by which the rows were bounded.
+    pub fn of(fitted: &FittedModel, rows: &Prediction, tails: Option<Tails>) -> Result<Self, UpkeepError> {
         let weighing = Weighing::of(rows, fitted.covariance())?;
         let installation = rows.installation.clone();
         let inner = match installation.ncols() {
@@ -41,8 +47,10 @@ impl ScoreTest {
         };
         let residual = DMatrix::from_column_slice(rows.len(), 1, rows.residual.as_slice());
         let freedom = rows.len() - installation.ncols();
-        let law = NoiseLaw::of(fitted);
-        let mut test = ScoreTest { weighing, residual, installation, inner, chi_square: 0.0, freedom, law };
+        let (share, unit) = tails.map_or((1.0, 1.0), |tails| (tails.freedom, tails.unit()));
+        let law = NoiseLaw::of(fitted).share(share);
+        let mut test =
+            ScoreTest { weighing, residual, installation, inner, chi_square: 0.0, freedom, law, share, unit };
         test.chi_square = test.product(&test.residual, &test.residual)[(0, 0)].max(0.0);
         Ok(test)
     }
@@ -68,7 +76,7 @@ impl ScoreTest {
     }
 
     pub fn overall(&self) -> f64 {
-        self.law.beyond(self.chi_square, self.freedom)
+        self.law.beyond_of(self.share * self.chi_square, self.share * self.freedom as f64)
     }
 
     /// The whitened columns X of a suspect and their information XᵀQX; none where these rows do not show it.
@@ -110,7 +118,7 @@ impl ScoreTest {
 
     /// 3-D RMS, m, of a whitened move of the measured numbers.
     fn moves(&self, fitted: &FittedModel, rows: &Prediction, whitened: &DVector<f64>) -> f64 {
-        (3.0 * whitened.norm_squared() / rows.len() as f64).sqrt() * fitted.noise.position_sd
+        (3.0 * whitened.norm_squared() / rows.len() as f64).sqrt() * fitted.noise.position_sd * self.unit
     }
 
     pub fn detectable(
