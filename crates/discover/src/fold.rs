@@ -7,7 +7,7 @@ use crate::conclude::held_out::clusters;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use truepose_errormodel::Dataset;
-use truepose_identify::Spread;
+use truepose_identify::{Spread, measured};
 
 /// What nested cross-validation takes from the search without one fold: no fits and no data, so that each fold may run on another machine.
 /// [`Nested::of`](crate::Nested::of) puts the folds together.
@@ -22,7 +22,7 @@ pub struct FoldRun {
     pub findings: Vec<String>,
     /// Rows (0-based) that were left out.
     pub rows: Vec<usize>,
-    /// Position residuals of the declared model in these rows, m; `None` where no complete position was measured.
+    /// Position residuals of the declared model in these rows, m; zero in a component that was not measured, `None` where none was.
     pub before: Vec<Option<[f64; 3]>>,
     /// The same of the model with the findings, m.
     pub after: Vec<Option<[f64; 3]>>,
@@ -41,8 +41,9 @@ impl FoldRun {
     pub(crate) fn of((fold, folds): (usize, usize), run: &Diagnosis, data: &Dataset) -> Self {
         let residuals = |errors: &Errors| {
             let rows = 0..errors.holdout.position.len();
-            rows.map(|row| errors.holdout.distance(row).map(|_| errors.holdout.position[row].into()))
-                .collect()
+            let of =
+                |row| errors.holdout.distance(row).map(|_| measured(&errors.holdout.position[row]).into());
+            rows.map(of).collect()
         };
         FoldRun {
             fold,
@@ -58,7 +59,7 @@ impl FoldRun {
         }
     }
 
-    /// 3-D position errors in the rows that were left out, of the model with the findings, m.
+    /// Position errors in the rows that were left out, of the model with the findings, m.
     pub fn errors(&self) -> Spread {
         Spread::of(self.after.iter().flatten().map(|&error| Vector3::from(error).norm()))
     }

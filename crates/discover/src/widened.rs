@@ -70,7 +70,7 @@ impl Partitioned<'_> {
             Residuals::of(&model.declared.fit.fitted, &held)?,
             Residuals::of(&model.current.fit.fitted, &with_found(&held, &model.current.found))?,
         ];
-        let gross = gross(&pair[1]);
+        let gross = gross(&pair[1], &held);
         for residuals in &mut pair {
             for &row in &gross {
                 residuals.position[row] = Vector3::repeat(f64::NAN);
@@ -97,7 +97,7 @@ impl Part {
         }
         let causes: Vec<Candidate> = found.findings.iter().map(|finding| finding.candidate.clone()).collect();
         let every = found_in(Cow::Borrowed(all.data), &causes);
-        let far = gross(&Residuals::of(&found.fit.fitted, &every)?);
+        let far = gross(&Residuals::of(&found.fit.fitted, &every)?, &every);
         let blocks = Blocks::new(without(&every, &far));
         let scatter = found.fit.residuals.clone();
         found.fit = AllRows::of(&found.fit, &blocks, options)?.fit;
@@ -114,7 +114,7 @@ impl Part {
         found.before = errors(&found.declared, &all.data.select(&all.rows.0), &all.data.select(&all.rows.1))?;
         let (train, held) = (every.select(&all.rows.0), every.select(&all.rows.1));
         found.after = errors(&found.fit, &train, &held)?;
-        let outliers = [gross(&found.after.train), gross(&found.after.holdout)];
+        let outliers = [gross(&found.after.train, &train), gross(&found.after.holdout, &held)];
         found.before.outliers.clone_from(&outliers);
         found.after.outliers = outliers;
         let clusters = clusters(&held, found.dependence.as_ref());

@@ -1,14 +1,8 @@
 //! Repeated pose measurements that are gross errors: far from the median of their group.
 
-use crate::Residuals;
+use crate::numbers::{ByAim, Numbers, square};
 use nalgebra::Vector3;
-use std::collections::BTreeMap;
-use truepose_errormodel::{Aim, Dataset, Visits};
-
-/// Whether a row measured a whole position: what was measured along one direction is no repeat of what was measured along another.
-pub(crate) fn repeatable(residuals: &Residuals, data: &Dataset, row: usize) -> bool {
-    residuals.distance(row).is_some() && data.ray(row).is_none()
-}
+use truepose_errormodel::Visits;
 
 /// Robust standard deviations from the median of its group beyond which a pose measurement is a gross error. Of normal noise whose variance
 /// differs between poses by a factor of three, one in some 10⁷ is.
@@ -20,25 +14,26 @@ const MOST_GROSS: f64 = 0.2;
 /// The groups without the pose measurements that are gross errors. Deviations are from the median of a group, axis by axis, the mean over
 /// targets; the standard deviation is that of their median over all groups. Of two pose measurements alone neither is the wrong one: both go.
 pub(crate) fn without_gross(
-    residuals: &Residuals,
-    data: &Dataset,
+    numbers: &Numbers<'_>,
     visits: &Visits,
     groups: &[Vec<usize>],
 ) -> Vec<Vec<usize>> {
     let mut deviations: Vec<Vec<f64>> = Vec::new();
     for group in groups {
-        let mut values: BTreeMap<Aim, Vec<(usize, Vector3<f64>)>> = BTreeMap::new();
+        let mut values: ByAim<Vec<(usize, Vector3<f64>)>> = ByAim::new();
         for (at, &visit) in group.iter().enumerate() {
-            for &row in visits.rows[visit].iter().filter(|&&row| repeatable(residuals, data, row)) {
-                values.entry(data.aim(row)).or_default().push((at, residuals.position[row]));
+            for &row in &visits.rows[visit] {
+                if let Some(value) = numbers.of(row) {
+                    numbers.entry(&mut values, row).push((at, value));
+                }
             }
         }
         let (mut squares, mut counts) = (vec![0.0; group.len()], vec![0.0; group.len()]);
-        for of_target in values.values().filter(|of_target| of_target.len() > 1) {
+        for of_target in values.values().flatten().map(|alike| &alike.of).filter(|of| of.len() > 1) {
             let middle =
                 Vector3::from_fn(|axis, _| median(of_target.iter().map(|(_, value)| value[axis]).collect()));
             for (at, value) in of_target {
-                squares[*at] += (value - middle).norm_squared();
+                squares[*at] += square(&(value - middle));
                 counts[*at] += 1.0;
             }
         }

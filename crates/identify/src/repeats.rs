@@ -18,7 +18,9 @@
 //! 1992, ch. 4. Pose measurements that came from different sides of approach are repeats of each other: so backlash counts as lack of fit when both
 //! sides stand in the model's data, and as pure error when it is ignored; `one_sided` says which repeats there are.
 
-use crate::pure_error::{PureError, Stratum, exact_repeats};
+use crate::numbers::Numbers;
+use crate::pure_error::{PureError, Stratum};
+use crate::repeat_groups::exact_repeats;
 use crate::{Fit, Freedom};
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
@@ -34,7 +36,7 @@ pub struct Repeats {
     pub groups: usize,
     /// Effective degrees of freedom of the pure error.
     pub freedom: usize,
-    /// 3-D RMS of one row around its expectation, m.
+    /// RMS of one row around its expectation over the components that were measured, m.
     pub rms: f64,
     /// Whether all repeats of a configuration came with the same directions of approach.
     pub one_sided: bool,
@@ -56,7 +58,7 @@ pub struct LackOfFit {
 /// Residual variance of a model, with what its unknowns took from it given back.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ResidualVariance {
-    /// 3-D RMS of one row, m: √3 times the root of the variance of an axis.
+    /// RMS of one row over the components that were measured, m: √3 times the root of the variance of an axis where all three were.
     pub rms: f64,
     /// Effective degrees of freedom of its square.
     pub freedom: f64,
@@ -74,13 +76,13 @@ impl ResidualVariance {
         let left = Freedom::of(fit, data).unwrap_or_else(|_| {
             all.share((1.0 - fit.reduction.rank() as f64 / all.positions().max(1.0)).max(0.02))
         });
+        let numbers = Numbers::new(&fit.residuals, data);
         let (mut between, mut within) = (0.0, 0.0);
         for rows in &visits.rows {
             for axis in 0..3 {
-                let values =
-                    rows.iter().filter_map(|&row| data.number(row, &fit.residuals.position[row], axis));
+                let values = rows.iter().filter_map(|&row| Some(numbers.of(row)?[axis]));
                 let (mut sum, mut squares, mut n) = (0.0, 0.0, 0.0);
-                values.filter(|v| v.is_finite()).for_each(|v| {
+                values.filter(|v| !v.is_nan()).for_each(|v| {
                     (sum, squares, n) = (sum + v, squares + v * v, n + 1.0);
                 });
                 if n > 0.0 {
@@ -95,12 +97,13 @@ impl ResidualVariance {
         }
         let between = (between / freedom, freedom);
         let within = (all.within >= 1.0 && left.within > 0.0).then(|| (within / left.within, left.within));
+        let per_row = Numbers::per_row(data);
         let (variance, numbers) = within.map_or((0.0, 0.0), |(v, _)| (v * all.within, all.within));
-        let square = 3.0 * (between.0 * all.between + variance) / (all.between + numbers);
+        let square = per_row * (between.0 * all.between + variance) / (all.between + numbers);
         // Satterthwaite, of the sum of the strata.
         let part = |(variance, freedom): (f64, f64), numbers: f64| (variance * numbers).powi(2) / freedom;
         let spread = part(between, all.between) + within.map_or(0.0, |w| part(w, all.within));
-        let freedom = (square / 3.0 * (all.between + numbers)).powi(2) / spread.max(f64::MIN_POSITIVE);
+        let freedom = (square / per_row * (all.between + numbers)).powi(2) / spread.max(f64::MIN_POSITIVE);
         Some(ResidualVariance { rms: square.sqrt(), freedom, between, within })
     }
 

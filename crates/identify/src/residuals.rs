@@ -1,6 +1,7 @@
 //! What is left between data and a model, and its statistics by row, axis, target and visit.
 //!
-//! Every `rms`, `p95` and `max` of a position is of the 3-D distance between measured and predicted position, m.
+//! Every `rms`, `p95` and `max` of a position is of the distance between measured and predicted position, m, over the components that were
+//! measured: 3-D where all three were.
 
 use crate::IdentifyError;
 use nalgebra::Vector3;
@@ -77,10 +78,9 @@ impl Residuals {
         Ok(residuals)
     }
 
-    /// 3-D distance of a row whose position was measured completely, m.
+    /// Distance of a row over the components of its position that were measured, m; `None` where none was.
     pub fn distance(&self, row: usize) -> Option<f64> {
-        let d = self.position[row].norm();
-        d.is_finite().then_some(d)
+        distance(&self.position[row])
     }
 
     /// Distances of all rows.
@@ -112,17 +112,26 @@ impl Residuals {
             .iter()
             .enumerate()
             .filter_map(|(visit, rows)| {
-                let row = rows.iter().copied().filter(|&r| self.distance(r).is_some()).max_by(|&a, &b| {
-                    let (da, db) = (self.position[a].norm(), self.position[b].norm());
-                    da.total_cmp(&db)
-                })?;
-                Some((visit, row, self.position[row].norm()))
+                let known = rows.iter().filter_map(|&row| Some((row, self.distance(row)?)));
+                let (row, distance) = known.max_by(|a, b| a.1.total_cmp(&b.1))?;
+                Some((visit, row, distance))
             })
             .collect();
         worst.sort_by(|a, b| b.2.total_cmp(&a.2).then(a.0.cmp(&b.0)));
         worst.truncate(count);
         worst
     }
+}
+
+/// Length of an error over its components that are not NaN; `None` where all are.
+pub fn distance(error: &Vector3<f64>) -> Option<f64> {
+    let length = measured(error).norm();
+    (length.is_finite() && error.iter().any(|v| !v.is_nan())).then_some(length)
+}
+
+/// The error with zero in components that are NaN, as they were not measured.
+pub fn measured(error: &Vector3<f64>) -> Vector3<f64> {
+    error.map(|v| if v.is_nan() { 0.0 } else { v })
 }
 
 impl Spread {
@@ -146,6 +155,20 @@ impl Spread {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_distance_is_over_the_components_that_were_measured() {
+        let nan = f64::NAN;
+        for (error, wanted) in [
+            ([3.0, 4.0, 12.0], Some(13.0)),
+            ([3.0, nan, -4.0], Some(5.0)),
+            ([nan, -2.0, nan], Some(2.0)),
+            ([nan; 3], None),
+            ([nan, f64::INFINITY, 1.0], None),
+        ] {
+            assert_eq!(distance(&error.into()), wanted, "{error:?}");
+        }
+    }
 
     #[test]
     fn quantiles_as_numpy_takes_them() {

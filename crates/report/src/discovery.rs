@@ -55,6 +55,9 @@ pub struct DiscoverySummary {
     /// What seems wrong with the data; it stands first.
     #[serde(default, skip_serializing_if = "DataCheck::is_empty")]
     pub data_check: DataCheck,
+    /// Which components of the position were measured, where some were not.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub partial_rows: Option<crate::PartialRows>,
     /// Whether the model is adequate.
     pub verdict: Verdict,
     /// Dependence of poses on those measured before; none with fewer than ten poses.
@@ -183,6 +186,7 @@ impl DiscoverySummary {
             dependence: found.dependence.as_ref().map(DependenceSummary::new),
             joint_repeatability: found.joints.as_ref().map(JointRepeatabilitySummary::new),
             data_check: DataCheck::default(),
+            partial_rows: crate::PartialRows::of(&found.data),
             verdict: found.verdict,
             before,
             after,

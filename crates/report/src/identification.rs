@@ -87,6 +87,9 @@ pub struct IdentificationSummary {
     /// What seems wrong with the data; it stands first.
     #[serde(skip_serializing_if = "DataCheck::is_empty")]
     pub data_check: DataCheck,
+    /// Which components of the position were measured, where some were not.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub partial_rows: Option<crate::PartialRows>,
     /// Conformity of held-out poses with a specification, where one was given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub specification: Option<crate::SpecificationSummary>,
@@ -270,6 +273,7 @@ impl IdentificationSummary {
             worst: largest_errors(found, data, labels, MOST_LARGEST),
             warnings: fit.warnings.iter().map(warning_text).collect(),
             data_check: DataCheck::default(),
+            partial_rows: crate::PartialRows::of(data),
             rounds: fit.rounds,
             converged: fit.converged,
             specification: None,

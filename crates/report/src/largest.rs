@@ -14,7 +14,7 @@ pub struct LargestError {
     pub row: usize,
     /// Line of the file; null where the data came from no file.
     pub line: Option<u64>,
-    /// 3-D distance, mm.
+    /// Distance over the components that were measured, mm.
     pub error_mm: f64,
     /// Whether the row took no part in the fit that predicts it.
     pub held_out: bool,
@@ -48,8 +48,8 @@ pub(crate) fn largest_errors(
     };
     let mut all: Vec<(usize, f64, bool)> = Vec::new();
     let mut add = |rows: &mut dyn Iterator<Item = usize>, residuals: &Residuals, held: bool| {
-        let each = rows.zip(&residuals.position).map(|(row, v)| (row, 1e3 * v.norm(), held));
-        all.extend(each.filter(|(_, error, _)| error.is_finite()));
+        let each = rows.enumerate();
+        all.extend(each.filter_map(|(k, row)| Some((row, 1e3 * residuals.distance(k)?, held))));
     };
     match &found.test_set {
         Some(test) => {

@@ -14,6 +14,7 @@ mod layout;
 mod observers;
 mod page;
 mod parameters;
+mod partial;
 mod plan;
 mod plan_observed;
 mod poses;
@@ -54,6 +55,7 @@ pub use page::{
     identification_report, map_report, plan_report, prediction_report, program_report,
 };
 pub use parameters::{ParameterSummary, ParametersSummary};
+pub use partial::PartialRows;
 pub use plan::PlanSummary;
 pub use plan_observed::ObservedPlanSummary;
 pub use poses::largest_error_by_pose;

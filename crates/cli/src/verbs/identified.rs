@@ -47,7 +47,7 @@ pub(super) fn conforms(specification: Option<&SpecificationSummary>) -> Result<(
     match specification {
         Some(of) if of.verdict == Verdict::Fail => Err(Failure::Criterion(of.sentence())),
         Some(of) if of.poses == 0 => Err(Failure::Criterion(
-            "no held-out pose has a complete position, so that none can be compared with the specification"
+            "no held-out pose has a measured position, so that none can be compared with the specification"
                 .into(),
         )),
         _ => Ok(()),
@@ -59,7 +59,7 @@ pub(super) fn require(args: &Identify, rms: f64, rows: usize) -> Result<(), Fail
     let Some(required) = args.require else { return Ok(()) };
     if rows == 0 {
         return Err(Failure::Criterion(format!(
-            "no row has a complete position, so that there is no RMS to compare with the required {}; the errors by axis are of what was measured",
+            "no row has a measured position, so that there is no RMS to compare with the required {}",
             millimetres(required)
         )));
     }

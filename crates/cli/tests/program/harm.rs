@@ -200,7 +200,7 @@ fn rows_in_another_unit_are_named_first_and_left_out() {
 
 /// Rows with x alone, as of an interferometer: there is no 3-D error, and a gate does not pass on it.
 #[test]
-fn a_gate_does_not_pass_on_rows_without_a_complete_position() {
+fn rows_of_one_component_are_judged_by_it() {
     let folder = narrow();
     let table = folder.read("data.csv");
     let header: Vec<&str> = table.lines().next().unwrap().split(',').collect();
@@ -218,15 +218,18 @@ fn a_gate_does_not_pass_on_rows_without_a_complete_position() {
         let identify = ["identify", "--robot", "robot.toml", "--data", "x.csv"];
         folder.run(&[&identify[..], gate].concat()).ended(code)
     };
-    let told = run(&["--require", "0.001mm"], 1);
-    assert!(
-        told.out.contains("No row has a complete position, so that there is no 3-D position error"),
-        "{}",
-        told.out
-    );
-    assert!(told.log.contains("no row has a complete position"), "{}", told.log);
-    assert!(run(&["--spec", "0.001mm"], 1).log.contains("none can be compared with the specification"));
-    run(&[], 0);
+    let words = "Position error (RMS over the measured components) on held-out configurations";
+    let out = run(&[], 0).out;
+    assert!(out.contains(words) && out.contains("x alone in ") && !out.contains("axis y"), "{out}");
+    let found = json(&run(&["--json"], 0).out);
+    let declared = &found["stages"].as_array().unwrap().last().unwrap()["train"];
+    let rms = declared["rms_mm"].as_f64().unwrap();
+    assert!(rms > 0.001 && declared["count"] == found["rows"], "{declared}");
+    assert!((rms - found["axes"][0]["rms_mm"].as_f64().unwrap()).abs() < 1e-12, "{declared}");
+    assert_eq!(found["partial_rows"]["rows"], serde_json::json!([["x", found["rows"]]]));
+    assert!(run(&["--require", "0.001mm"], 1).log.contains("is above the required"));
+    run(&["--spec", "0.001mm"], 1);
+    run(&["--require", "100mm", "--spec", "100mm"], 0);
 }
 
 /// An exact arm and too few poses for its model without a prior: unseen poses are predicted much worse than by base and tool alone.

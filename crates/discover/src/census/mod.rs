@@ -79,7 +79,7 @@ impl<'a> Census<'a> {
     ) -> Result<Self, DiscoverError> {
         let ModelFit { found, fit, .. } = &*searched.model.current;
         let train = found_in(train, found).into_owned();
-        let far = gross(&Residuals::of(&fit.fitted, &train)?);
+        let far = gross(&Residuals::of(&fit.fitted, &train)?, &train);
         let blocks = Blocks::new(emptied(train, &far)).under(searched.joints.map(|joints| joints.noise()));
         Ok(Census { sample, fitted, blocks })
     }

@@ -18,7 +18,7 @@ use crate::model::current::Context;
 use crate::model::prepared::{with_found, without};
 use std::collections::{BTreeMap, BTreeSet};
 use truepose_errormodel::{Dataset, Visits, configurations};
-use truepose_identify::{Fit, FitOptions, NoiseSource, Residuals, Spread, fit_again};
+use truepose_identify::{Fit, FitOptions, NoiseSource, Residuals, Spread, fit_again, measured};
 use truepose_kinematics::JointId;
 
 /// Share of the pose measurements that comes last. Convention.
@@ -107,11 +107,11 @@ fn judged(
     let predicted: BTreeSet<usize> = part.iter().map(|&row| configuration[data.visit[row]]).collect();
     let rows = |those: &[bool]| (0..data.len()).filter(|&row| those[data.visit[row]]).collect::<Vec<_>>();
     let rest = data.select(&rows(&kept));
-    let measured = 3 * rest.position.iter().filter(|p| p.iter().all(|v| !v.is_nan())).count();
+    let seen: usize = (0..rest.len()).map(|row| rest.seen(row).components()).sum();
     let rank = fits[1].reduction.rank();
     if predicted.len() < FEWEST
         || Visits::of(&rest).len() < context.policy().fewest_poses
-        || measured < OBSERVATIONS * rank
+        || seen < OBSERVATIONS * rank
     {
         return Ok(None);
     }
@@ -129,10 +129,14 @@ fn judged(
         }
     }
     let [before, after] = [&residuals[0], &residuals[1]];
-    let rows = reach.0.into_iter().zip(before.position.iter().zip(&after.position));
-    let rows = rows.map(|(variance, (&declared, &found))| UnseenRow { declared, found, variance });
-    let unseen =
-        UnseenPart { rows: rows.filter(|row| row.declared.norm().is_finite()).collect(), usual: reach.1 };
+    // None without findings.
+    let rows = (0..reach.0.len()).filter(|&row| before.distance(row).is_some());
+    let unseen = rows.map(|row| UnseenRow {
+        declared: measured(&before.position[row]),
+        found: measured(&after.position[row]),
+        variance: reach.0[row],
+    });
+    let unseen = UnseenPart { rows: unseen.collect(), usual: reach.1 };
     let draws = context.budget().bootstrap;
     let figures = Extrapolation {
         part: parted.part,

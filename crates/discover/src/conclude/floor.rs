@@ -192,12 +192,18 @@ fn neighbourhood(chain: &Chain, data: &Dataset, [turn, travel]: [f64; 2]) -> Vec
     chain.movable().iter().enumerate().map(of).collect()
 }
 
-/// 3-D RMS of the position's standard deviations as the instrument states them, m; `None` where it states nothing.
+/// RMS of the standard deviations of a row's position over the components that were measured, as the instrument states them, m; `None`
+/// where it states nothing.
 pub(crate) fn stated_rms(data: &Dataset) -> Option<f64> {
-    let rows = data.position_sd.iter().filter(|sd| sd.iter().all(|v| v.is_finite() && *v > 0.0));
-    let (sum, count) =
-        rows.fold((0.0, 0.0), |(sum, count), sd| (sum + sd.iter().map(|v| v * v).sum::<f64>(), count + 1.0));
-    (count > 0.0).then(|| f64::sqrt(sum / count))
+    let stated = |row: usize| {
+        let own =
+            (0..3).filter(|&axis| data.seen(row).position[axis]).map(|axis| data.position_sd[row][axis]);
+        let own: Vec<f64> = own.collect();
+        let all = !own.is_empty() && own.iter().all(|sd| sd.is_finite() && *sd > 0.0);
+        all.then(|| own.iter().map(|sd| sd * sd).sum::<f64>())
+    };
+    let rows: Vec<f64> = (0..data.len()).filter_map(stated).collect();
+    (!rows.is_empty()).then(|| (rows.iter().sum::<f64>() / rows.len() as f64).sqrt())
 }
 
 #[cfg(test)]

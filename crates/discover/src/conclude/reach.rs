@@ -18,7 +18,7 @@ use crate::error::DiscoverError;
 use nalgebra::Vector3;
 use std::sync::Arc;
 use truepose_errormodel::{Dataset, Fallback, FittedModel};
-use truepose_identify::Residuals;
+use truepose_identify::{Residuals, distance};
 use truepose_kinematics::Conditions;
 
 /// Rows of the fit whose variances are looked at, evenly taken.
@@ -89,8 +89,8 @@ pub(crate) fn fallback(
     parts: &[UnseenPart],
 ) -> Result<Fallback, DiscoverError> {
     let (before, after) = (Residuals::of(declared, as_declared)?, Residuals::of(found, corrected)?);
-    let moves = before.position.iter().zip(&after.position).map(|(a, b)| (a - b).norm_squared());
-    let moves: Vec<f64> = moves.filter(|square| square.is_finite()).collect();
+    let moves = before.position.iter().zip(&after.position).filter_map(|(a, b)| distance(&(a - b)));
+    let moves: Vec<f64> = moves.map(|moved| moved * moved).collect();
     let size = moves.iter().sum::<f64>() / moves.len().max(1) as f64;
     let scale = scale(size, parts);
     Ok(Fallback { declared: Arc::new(declared.clone()), usual: usual(found, corrected)?, scale, size })

@@ -4,7 +4,7 @@ use crate::problem::linearisation::Linearisation;
 use nalgebra::{DVector, Vector3};
 use truepose_identify::Residuals;
 
-/// Squared 3-D distance of each row of the data, m²; NaN where its position was not measured in full.
+/// Squared distance of each row of the data over the components that were measured, m²; NaN where none was.
 pub(crate) fn distances(linearisation: &Linearisation<'_>, residual: &[f64]) -> Vec<f64> {
     let mut squares = vec![f64::NAN; linearisation.data.len()];
     let mut seen = vec![0; linearisation.data.len()];
@@ -16,7 +16,7 @@ pub(crate) fn distances(linearisation: &Linearisation<'_>, residual: &[f64]) -> 
     }
     let of = |row: usize| match (linearisation.data.ray(row), seen[row]) {
         (Some(w), 1) => squares[row] / w.norm_squared(),
-        (None, 3) => squares[row],
+        (None, 1..) => squares[row],
         _ => f64::NAN,
     };
     (0..squares.len()).map(of).collect()

@@ -60,7 +60,12 @@ pub struct Seen {
 impl Seen {
     /// How many numbers of a pose were measured, 0…6.
     pub fn count(&self) -> usize {
-        self.position.iter().filter(|&&seen| seen).count() + if self.orientation { 3 } else { 0 }
+        self.components() + if self.orientation { 3 } else { 0 }
+    }
+
+    /// How many of them are of the position, 0…3.
+    pub fn components(&self) -> usize {
+        self.position.iter().filter(|&&seen| seen).count()
     }
 }
 

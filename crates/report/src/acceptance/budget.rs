@@ -121,12 +121,21 @@ impl BudgetSummary {
             if n > 0.0 { sum / n } else { 0.0 }
         };
         let each = |of: &dyn Fn(usize) -> f64| [of(0), of(1), of(2)];
-        let stated = each(&|k| mean(&mut rows.iter().map(|&row| data.position_sd[row][k].powi(2))));
+        let seen = |row: usize| data.seen(row).position;
+        // An axis that no row measured has no part in it.
+        let axes = [0, 1, 2].map(|k| rows.iter().any(|&row| seen(row)[k]));
+        let stated = each(&|k| {
+            mean(&mut rows.iter().filter(|&&row| seen(row)[k]).map(|&row| data.position_sd[row][k].powi(2)))
+        });
         if stated.iter().all(|v| *v <= 0.0) {
             unknown.push(("instrument", "not stated (columns sx, sy, sz)"));
         }
         let (repeats, freedom) = match &found.repeats {
-            Some(repeats) => (repeats.rms.powi(2) / 3.0, repeats.freedom as f64),
+            Some(repeats) => {
+                let counts = rows.iter().map(|&row| data.seen(row).components()).filter(|&n| n > 0);
+                let each = mean(&mut counts.map(|n| n as f64));
+                (repeats.rms.powi(2) / each.max(1.0), repeats.freedom as f64)
+            }
             None => {
                 let why =
                     "unknown, no configuration was measured twice; it is contained in the last contribution";
@@ -135,7 +144,7 @@ impl BudgetSummary {
             }
         };
         // Repeats contain the scatter of the instrument as well.
-        let repeatability = stated.map(|instrument| (repeats - instrument).max(0.0));
+        let repeatability = each(&|k| if axes[k] { (repeats - stated[k]).max(0.0) } else { 0.0 });
         let inputs = data.derived_for(fitted.model())?;
         let mut predictor = fitted.bind(&inputs.schema)?;
         let mut conditions = Conditions::default();
@@ -145,7 +154,7 @@ impl BudgetSummary {
         for &row in &chosen {
             inputs.conditions_into(row, &mut conditions);
             let (_, spread) = predictor.with_covariance(&conditions, inputs.aim(row));
-            (0..3).for_each(|k| model[k] += spread[(k, k)] / chosen.len() as f64);
+            (0..3).filter(|&k| axes[k]).for_each(|k| model[k] += spread[(k, k)] / chosen.len() as f64);
         }
         let square = each(&|k| mean(&mut errors.position.iter().map(|e| e[k].powi(2))));
         if !held {

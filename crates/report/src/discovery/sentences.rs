@@ -81,7 +81,7 @@ impl DiscoverySummary {
             ),
             _ => format!("{all} {rows}"),
         };
-        format!("Position error (3-D RMS): {figures}.")
+        format!("Position error ({}): {figures}.", crate::PartialRows::rms(self.partial_rows.as_ref()))
     }
 
     /// Where the held-out errors come from.

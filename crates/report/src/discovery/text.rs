@@ -26,7 +26,11 @@ impl fmt::Display for DiscoverySummary {
         let used = self.before.holdout_used();
         writeln!(
             f,
-            "\nRMS of the 3-D position error {} ({}), mm\n",
+            "\n{} {} ({}), mm\n",
+            match &self.partial_rows {
+                None => "RMS of the 3-D position error",
+                Some(_) => "RMS of the position error over the measured components",
+            },
             self.held_out_rows(),
             count(used.count, "row")
         )?;
@@ -60,6 +64,9 @@ impl fmt::Display for DiscoverySummary {
 impl DiscoverySummary {
     fn verdict(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "\n{}\n{}\n{}", self.adequacy(), self.answer(), self.result())?;
+        if let Some(partial) = &self.partial_rows {
+            writeln!(f, "{}", partial.sentence())?;
+        }
         for sentence in self.beside() {
             writeln!(f, "{sentence}")?;
         }

@@ -3,7 +3,7 @@
 use super::{IdentificationSummary, StageSummary};
 use crate::layout::Alignment::{Left, Right};
 use crate::wording::heading;
-use crate::{count, significant, table, value_with_interval};
+use crate::{PartialRows, count, significant, table, value_with_interval};
 use std::fmt;
 
 /// Grouped errors beyond this many are not printed one by one (they are all in the JSON).
@@ -17,6 +17,9 @@ impl fmt::Display for IdentificationSummary {
         writeln!(f, "{heading}, {}", count(self.configurations, "configuration"))?;
         write!(f, "{}", self.data_check)?;
         writeln!(f, "\n{}\n{}", self.verdict, self.limit)?;
+        if let Some(partial) = &self.partial_rows {
+            writeln!(f, "{}", partial.sentence())?;
+        }
         if let Some(landmarks) = &self.landmarks {
             writeln!(f, "{}", landmarks.sentences())?;
         }
@@ -64,7 +67,7 @@ impl IdentificationSummary {
         let held = self.stages.iter().any(|s| s.held_out.is_some());
         let test_set = self.stages.iter().any(|s| s.test_set.is_some());
         let along = if self.kinds.is_some() { "; of rows with one number, along its direction" } else { "" };
-        writeln!(f, "\nposition error, mm (3-D distance{along})")?;
+        writeln!(f, "\nposition error, mm ({}{along})", PartialRows::error(self.partial_rows.as_ref()))?;
         let mut header = vec!["", "", "mean", "RMS", "95 %", "max"];
         let mut rows = Vec::new();
         for stage in &self.stages {
@@ -124,7 +127,7 @@ impl IdentificationSummary {
             write!(f, "{}", table(&header, &[Left, Left, Right, Right, Right, Right], &turned))?;
         }
         let mut parts: Vec<Vec<String>> = Vec::new();
-        for (axis, spread) in ["x", "y", "z"].iter().zip(&self.axes) {
+        for (axis, spread) in ["x", "y", "z"].iter().zip(&self.axes).filter(|(_, spread)| spread.count > 0) {
             let mut row = vec![format!("axis {axis}"), spread.count.to_string()];
             row.extend(spread.cells());
             parts.push(row);
@@ -180,9 +183,10 @@ impl IdentificationSummary {
         if let Some(repeats) = &self.repeats {
             write!(
                 f,
-                "repeated pose measurements: {}, pure error {} mm RMS (3-D)",
+                "repeated pose measurements: {}, pure error {} mm RMS{}",
                 count(repeats.groups, "group"),
-                significant(repeats.rms_mm, 3)
+                significant(repeats.rms_mm, 3),
+                if self.partial_rows.is_none() && self.kinds.is_none() { " (3-D)" } else { "" }
             )?;
             match &repeats.lack_of_fit {
                 Some(l) => {
@@ -287,14 +291,14 @@ impl IdentificationSummary {
         let Some(last) = self.stages.last().map(judged) else { return prefix.trim_end().into() };
         if last.count == 0 {
             return format!(
-                "{prefix}No row has a complete position, so that there is no 3-D position error {rows}; the errors of what was measured are below{}.",
-                if self.axes.iter().any(|axis| axis.count > 0) { ", by axis" } else { "" }
+                "{prefix}No row has a measured position, so that there is no position error {rows}; the errors of what was measured are below."
             );
         }
         let stage =
             |stage: &StageSummary| format!("{} mm ({})", significant(judged(stage).rms_mm, 3), stage.name);
         format!(
-            "{prefix}Position error (3-D RMS) {rows}: {}; 95th percentile {} mm, largest {} mm.",
+            "{prefix}Position error ({}) {rows}: {}; 95th percentile {} mm, largest {} mm.",
+            PartialRows::rms(self.partial_rows.as_ref()),
             self.stages.iter().map(stage).collect::<Vec<_>>().join(" → "),
             significant(last.p95_mm, 3),
             significant(last.max_mm, 3)

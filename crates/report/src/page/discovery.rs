@@ -33,6 +33,9 @@ pub fn discovery_report(
         page.text(observers.sentence().trim_end());
     }
     verdict(&mut page, summary);
+    if let Some(partial) = &summary.partial_rows {
+        page.text(&partial.sentence());
+    }
     page.end_of_sheet();
     residual(&mut page, summary);
     let rows = rows(found, data, labels);

@@ -47,6 +47,9 @@ pub fn identification_report(
     page.section("Verdict");
     page.data_check(&summary.data_check);
     verdict(&mut page, summary);
+    if let Some(partial) = &summary.partial_rows {
+        page.text(&partial.sentence());
+    }
     page.end_of_sheet();
     let rows = rows(found, data, labels);
     page.section("Position errors");

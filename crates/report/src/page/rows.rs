@@ -125,9 +125,9 @@ impl Rows {
     }
 }
 
-/// Length of an error.
+/// Length of an error over its components that were measured; NaN where none was.
 pub(crate) fn length(v: &[f64; 3]) -> f64 {
-    v.iter().map(|x| x * x).sum::<f64>().sqrt()
+    truepose_identify::distance(&(*v).into()).unwrap_or(f64::NAN)
 }
 
 /// Seconds above which a time counts from 1970 and not from the begin of a campaign: three years.
