@@ -15,6 +15,7 @@ use crate::recorded;
 use crate::verbs::expected::Expected;
 use crate::verbs::export::{Wanted, text};
 use crate::verbs::mistakes::Mistakes;
+use crate::verbs::vertical::settled;
 use crate::verbs::{
     beyond, compensate, discover, folds, identified, parameters, predict, sessions, sister, transfer,
 };
@@ -23,7 +24,7 @@ use clap::ValueEnum;
 use std::path::Path;
 use truepose_compensate::{Command, CompensateError, ExportOptions};
 use truepose_discover::Progress;
-use truepose_errormodel::{Coverage, Dataset, FittedModel, ModelError};
+use truepose_errormodel::{AnyEffect, Coverage, Dataset, FittedModel, ModelError};
 use truepose_identify::Split;
 use truepose_io::{ColumnMap, CsvInfo, ExportUnits, NamedFrame, Poses, Prediction, RobotDetails};
 use truepose_kinematics::{Chain, TargetId};
@@ -110,6 +111,18 @@ pub fn checked(chain: &Chain, data: &Dataset, name: &Path) -> (Option<Dataset>, 
 /// The same of rows that are all used.
 pub fn suspected(chain: &Chain, data: &Dataset, name: &Path) -> DataCheck {
     Mistakes::of(chain, data, name).check()
+}
+
+/// The robot with the direction of gravity that its measurements support, and which, in words: for a description that does not state it. `None` where it does not matter.
+///
+/// # Errors
+/// When base and tool cannot be found, or a fit fails.
+pub fn vertical(
+    (chain, effects): (&Chain, &[Box<dyn AnyEffect>]),
+    data: &Dataset,
+    fit: Fitting<'_>,
+) -> Result<Option<(Chain, String)>, String> {
+    settled(chain, effects, data, fit).map_err(|error| error.to_string())
 }
 
 /// Channels that a search tests as one, in words; none where all differ.

@@ -110,7 +110,7 @@ fn trial(
 }
 
 /// Sum of squared errors and number of rows of each fold.
-fn squares(held_out: &CrossValidation, data: &Dataset) -> Vec<(f64, usize)> {
+pub(crate) fn squares(held_out: &CrossValidation, data: &Dataset) -> Vec<(f64, usize)> {
     let mut sums = vec![(0.0, 0); held_out.folds.count];
     for row in 0..data.len() {
         if let Some(d) = held_out.residuals.distance(row) {

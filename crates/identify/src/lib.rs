@@ -36,6 +36,7 @@ mod streamed;
 mod student;
 mod suspicion;
 mod variance;
+mod vertical;
 
 pub use comparison::{Compared, Paired, Trial, compare};
 pub use conventions::{Misread, Misreading, NominalResidual, misreadings, nominal_residual};
@@ -80,6 +81,7 @@ pub use student::student_quantile;
 pub use suspicion::{Cause, Suspicion, suspicion, suspicions};
 pub use truepose_errormodel::NoiseModel;
 pub use variance::estimate_noise;
+pub use vertical::{Vertical, vertical};
 
 /// The steps of a fit one by one, for benchmarks and studies of their cost; no stable interface.
 pub mod engine {

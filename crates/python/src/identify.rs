@@ -87,11 +87,17 @@ pub fn identify(
             None => (&*chain, &effects[..], &*rows),
         };
         // Folds that are given are of all rows.
-        let (kept, data_check) = match campaign.is_some() || own_folds {
+        let (kept, mut data_check) = match campaign.is_some() || own_folds {
             true => (None, front::suspected(chain, data, &info.file)),
             false => front::checked(chain, data, &info.file),
         };
         let data = kept.as_ref().unwrap_or(data);
+        let vertical = match campaign.is_none() && !details.gravity {
+            true => front::vertical((chain, effects), data, (&*solver, &options.fit)).map_err(input)?,
+            false => None,
+        };
+        data_check.suspected.extend(vertical.iter().map(|(_, words)| words.clone()));
+        let chain = vertical.as_ref().map_or(chain, |(chain, _)| chain);
         campaign.iter().try_for_each(|campaign| campaign.without_test_set(options.holdout)).map_err(input)?;
         let observer = |step: Step| working.step(words(step));
         let found = identified(chain, effects, data, &*solver, &options, &observer).map_err(input)?;

@@ -48,6 +48,8 @@ impl Beside {
 
 /// Where the bytes of a robot have the text of its description.
 const DESCRIPTION: &str = "description";
+/// Where they state that gravity was not declared.
+const ASSUMED: &str = "gravity_assumed";
 
 impl Robot {
     /// Of a chain, with what a fit has recorded of its description.
@@ -55,7 +57,7 @@ impl Robot {
         let (units, frames) = front::recorded_details(fitted);
         Robot {
             chain: Arc::new(chain.clone()),
-            details: RobotDetails { units, frames, certificate: None },
+            details: RobotDetails { units, frames, certificate: None, gravity: true },
             columns: front::recorded_columns(fitted),
             warnings: Vec::new(),
             beside: Beside::default(),
@@ -66,7 +68,7 @@ impl Robot {
     pub fn bare(chain: &Chain) -> Self {
         Robot {
             chain: Arc::new(chain.clone()),
-            details: RobotDetails::default(),
+            details: RobotDetails { gravity: true, ..RobotDetails::default() },
             columns: ColumnMap::default(),
             warnings: Vec::new(),
             beside: Beside::default(),
@@ -150,6 +152,9 @@ impl Robot {
         let mut fitted = FittedModel::new(model, Vec::new(), DMatrix::zeros(0, 0)).map_err(input)?;
         front::record_details(&mut fitted, &self.details);
         front::record_columns(&mut fitted, &self.columns);
+        if !self.details.gravity {
+            fitted.provenance.insert(ASSUMED.into(), true.into());
+        }
         if let Some((name, text)) = &self.beside.text {
             fitted.provenance.insert(DESCRIPTION.into(), serde_json::json!([name, text]));
         }
@@ -164,7 +169,9 @@ impl Robot {
             (Some(name), Some(text)) => Beside::of(name, text)?.0,
             _ => Beside::default(),
         };
-        Ok(Robot { beside, ..Robot::of(fitted.chain(), &fitted) })
+        let mut robot = Robot { beside, ..Robot::of(fitted.chain(), &fitted) };
+        robot.details.gravity = !fitted.provenance.contains_key(ASSUMED);
+        Ok(robot)
     }
 
     #[getter]

@@ -98,10 +98,21 @@ impl Search {
         };
         let plain = data.info.sessions.len() < 2 && data.info.landmarks.is_empty();
         let checked = plain.then(|| py.detach(|| front::checked(&chain, &data.data, &data.info.file)));
-        let (rows, data_check) = match checked {
+        let (rows, mut data_check) = match checked {
             Some((kept, check)) => (kept.map_or_else(|| data.data.clone(), Arc::new), Some(check)),
             None => (data.data.clone(), None),
         };
+        let mut chain = chain;
+        if let Some(check) = data_check.as_mut().filter(|_| !robot.details.gravity) {
+            crate::model::prepare(&effects, &chain, &rows)?;
+            let built = self::solver(&solver)?.0;
+            let fitting: Fitting<'_> = (&*built, &FitOptions::default());
+            let found = py.detach(|| front::vertical((&chain, &effects), &rows, fitting)).map_err(input)?;
+            if let Some((with_gravity, words)) = found {
+                check.suspected.push(words);
+                chain = Arc::new(with_gravity);
+            }
+        }
         let asked = Asked {
             chain,
             split: split(&rows, nested, "random", seed, None)?,

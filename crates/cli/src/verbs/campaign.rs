@@ -3,6 +3,7 @@
 use super::declared_landmarks::declared;
 use super::held_out::among_all;
 use super::mistakes::Mistakes;
+use super::vertical::settled;
 use crate::failure::Failure;
 use crate::terminal;
 use std::any::Any;
@@ -15,7 +16,7 @@ use truepose_identify::{
     SensorFound, Split, Suspect, Touched, allowed_for, cross_validate, landmark_cross_validation,
     landmark_groups, leverages, suspects, touched, unify,
 };
-use truepose_io::{CsvInfo, robot_sessions, robot_surroundings};
+use truepose_io::{CsvInfo, read_details, robot_sessions, robot_surroundings};
 use truepose_kinematics::Chain;
 use truepose_report::{
     DataCheck, DiscoverySummary, IdentificationSummary, KindsSummary, LandmarksSummary, SessionSummary,
@@ -98,6 +99,22 @@ impl Campaign {
             self.data = kept;
         }
         check
+    }
+
+    /// Settles gravity where the description of the robot does not state it; in words where that matters.
+    pub fn settle_gravity(
+        &mut self,
+        robot: &Path,
+        fit: (&dyn Solver, &FitOptions),
+    ) -> Result<Option<String>, Failure> {
+        if self.read.is_some() || read_details(robot)?.gravity {
+            return Ok(None);
+        }
+        let found = settled(&self.chain, &self.effects, &self.data, fit)?;
+        Ok(found.map(|(chain, words)| {
+            self.chain = chain;
+            words
+        }))
     }
 
     /// Of what was read, with what sessions share, and what is known of landmarks; `file` names the data in messages.

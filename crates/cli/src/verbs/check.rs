@@ -3,6 +3,7 @@
 use super::campaign::Campaign;
 use super::mistakes::Mistakes;
 use super::nominal::Nominal;
+use super::vertical::settled;
 use super::{points, print_json, robot};
 use crate::args::Check;
 use crate::failure::Failure;
@@ -10,7 +11,7 @@ use crate::terminal;
 use truepose_errormodel::effects::{AllTargets, Geometric, Where};
 use truepose_errormodel::{AnyEffect, ErrorModel};
 use truepose_identify::FitOptions;
-use truepose_io::{CsvInfo, Grouping, MeasurementsOptions, read_measurements, read_model};
+use truepose_io::{CsvInfo, Grouping, MeasurementsOptions, read_details, read_measurements, read_model};
 use truepose_kinematics::{Chain, GravityFrame, JointId, JointKind, ToolId};
 use truepose_report::Alignment::{Left, Right};
 use truepose_report::{count, significant, table};
@@ -45,6 +46,12 @@ pub fn run(args: &Check) -> Result<(), Failure> {
             terminal::warn(mistakes.words.as_slice());
             if let Some(model) = &model {
                 model.bind(&data.derived_for(model)?.schema)?;
+            }
+            // Where no fit can be made, another message is about that.
+            if info.landmarks.is_empty() && !read_details(&args.robot.robot)?.gravity {
+                let whole: [Box<dyn AnyEffect>; 1] = [Box::new(Geometric::default())];
+                let found = settled(placed, &whole, data, plain).ok().flatten();
+                terminal::warn(found.map(|(_, words)| words).as_slice());
             }
             nominal = mistakes.nominal;
             Some(info)

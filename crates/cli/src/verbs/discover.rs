@@ -55,7 +55,10 @@ pub fn run(args: &Discover, watch: &Watch) -> Result<(), Failure> {
     let mistakes = Mistakes::of(&campaign.chain, &campaign.data, &args.measured.data);
     // At once as well: a search takes a while.
     terminal::warn(mistakes.words.as_slice());
-    let data_check = campaign.without(&mistakes);
+    let mut data_check = campaign.without(&mistakes);
+    let vertical = campaign.settle_gravity(files_read.0, (&*solver, &fit))?;
+    terminal::warn(vertical.as_slice());
+    data_check.suspected.extend(vertical);
     terminal::warn(repeated(&campaign.data, &args.measured.data).as_slice());
     let options_of = |campaign: &Campaign| DiscoverOptions {
         holdout: args.holdout,

@@ -59,10 +59,11 @@ pub fn run(args: &Identify, watch: &Watch) -> Result<(), Failure> {
     campaign.without_test_set(args.holdout)?;
     // Shown with the result, or with the error where there is none.
     let mistakes = Mistakes::of(&campaign.chain, &campaign.data, &args.measured.data);
-    let data_check = match args.fold_by.is_some() {
+    let mut data_check = match args.fold_by.is_some() {
         true => mistakes.check(), // folds are of all rows
         false => campaign.without(&mistakes),
     };
+    data_check.suspected.extend(campaign.settle_gravity(files_read.0, (&*solver, &options.fit))?);
     let Campaign { chain, effects, data, .. } = &campaign;
     let progress = Progress::steps(Step::ALL.len(), watch);
     let found =

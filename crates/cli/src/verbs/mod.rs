@@ -47,6 +47,7 @@ mod stream;
 mod template;
 pub(crate) mod transfer;
 mod verify;
+pub(crate) mod vertical;
 
 pub use completions::write as completions;
 

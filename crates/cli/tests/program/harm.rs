@@ -267,3 +267,38 @@ fn a_contradicted_fit_is_refused_until_it_is_accepted() {
     assert!(refused.contains("it predicts unseen poses worse than base and tool alone"), "{refused}");
     folder.run(&[&predict[..], &["--accept"]].concat()).ended(0);
 }
+
+/// A heavy arm that stands upright, seen by cameras whose frame has y upwards; its description does not state where gravity points.
+#[test]
+fn gravity_that_is_not_declared_is_found_and_named() {
+    let example = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/01_identify");
+    let read = |name: &str| std::fs::read_to_string(example.join(name)).unwrap();
+    let folder = Folder::empty();
+    let robot = read("robot.toml");
+    let (standing, unknown) = ("rpy = [0.0, 0.0, 35.0]", "xyz = [1600.0, 250.0, 420.0]\n");
+    assert!(robot.contains(standing) && robot.contains(unknown));
+    folder.write("robot.toml", &robot.replace(unknown, "").replacen(standing, "known = false", 1));
+    for (frame, other) in [("base", "measurement"), ("measurement", "base")] {
+        let turned = robot.replacen(standing, "rpy = [90.0, 0.0, 35.0]", 1);
+        let declared = format!("gravity_frame = \"{frame}\"\n");
+        folder.write("true.toml", &(declared.clone() + &turned));
+        folder.write("plant.toml", &read("plant.toml").replace("\"robot.toml\"", "\"true.toml\""));
+        folder.run(&["simulate", "--plant", "plant.toml", "--out", "data.csv"]).ended(0);
+        let model = example.join("model.toml").display().to_string();
+        let run = |robot: &str| {
+            let words = ["identify", "--robot", robot, "--data", "data.csv", "--model", &model, "--json"];
+            json(&folder.run(&[&words[..], &["--out", "fit.json"]].concat()).ended(0).out)
+        };
+        let rms = |found: &serde_json::Value| {
+            found["stages"].as_array().unwrap().last().unwrap()["held_out"]["rms_mm"].as_f64().unwrap()
+        };
+        let found = run("robot.toml");
+        let words = found["data_check"]["suspected"][0].as_str().unwrap();
+        assert!(words.contains(&format!("that of the {frame}")) && words.contains("is used, which explains"));
+        assert!(!words.contains(&format!("declare `gravity_frame = \"{other}\"`")), "{words}");
+        assert_eq!(json(&folder.read("fit.json"))["robot"]["gravity"]["frame"], frame);
+        folder.write("declared.toml", &(declared + &folder.read("robot.toml")));
+        let right = run("declared.toml");
+        assert!(right["data_check"].is_null() && (rms(&right) - rms(&found)).abs() < 1e-9);
+    }
+}

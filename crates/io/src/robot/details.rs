@@ -19,6 +19,8 @@ pub struct RobotDetails {
     pub frames: Vec<NamedFrame>,
     /// `[certificate]`.
     pub certificate: Option<Certificate>,
+    /// Whether the file states gravity or its frame; where it does not, −z of the measurement frame is an assumption.
+    pub gravity: bool,
 }
 
 /// A frame with a name: a work object, or a tool centre point.
@@ -126,7 +128,8 @@ pub(super) fn of(root: &Table<'_>) -> Result<RobotDetails, IoError> {
             Some(Certificate { entries })
         }
     };
-    Ok(RobotDetails { units, frames, certificate })
+    let gravity = root.get("gravity").is_some() || root.get("gravity_frame").is_some();
+    Ok(RobotDetails { units, frames, certificate, gravity })
 }
 
 pub(super) fn units(root: &Table<'_>) -> Result<ExportUnits, IoError> {
