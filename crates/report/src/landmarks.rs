@@ -69,7 +69,7 @@ pub struct KnownDistanceSummary {
     pub between: [String; 2],
     /// As it is stated, mm.
     pub stated_mm: f64,
-    /// By a fit without the rows of both, mm.
+    /// By a fit without the rows of both, mm; null where no other row would state how long anything is.
     pub held_out_mm: Option<f64>,
 }
 
@@ -105,7 +105,8 @@ impl LandmarksSummary {
         let own = |row: &usize| data.landmark(*row).is_some() && !met.contains(row);
         let all: Vec<usize> = (0..data.len()).filter(own).collect();
         let place = |k: usize| {
-            let mut of = folds.iter().flat_map(|fold| fold.landmarks.iter().zip(&fold.positions));
+            let judging = folds.iter().filter(|fold| !fold.keeps_scale);
+            let mut of = judging.flat_map(|fold| fold.landmarks.iter().zip(&fold.positions));
             of.find(|(landmark, _)| **landmark == k).map(|(_, at)| *at)
         };
         let distances: Vec<KnownDistanceSummary> = found
@@ -212,10 +213,16 @@ impl LandmarksSummary {
                 text += &format!(
                     "\nKnown distances, of landmarks that were left out: {} mm RMS of error over {}.",
                     significant(rms, 2),
-                    crate::count(self.distances.len(), "distance")
+                    crate::count(
+                        self.distances.iter().filter(|d| d.held_out_mm.is_some()).count(),
+                        "distance"
+                    )
                 );
             }
             (None, false) => text += "\nNo distance is known: the spread says nothing about lengths.",
+            (None, true) if self.held_out.is_some() && !self.distances.is_empty() => {
+                text += "\nThe known distances are of one group of landmarks. Without its rows nothing states how long anything is: they are predicted with the scale of the whole fit, and no distance is judged.";
+            }
             (None, true) => {}
         }
         if !self.suspects.is_empty() {

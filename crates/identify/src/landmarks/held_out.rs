@@ -12,7 +12,7 @@ use crate::{CrossValidation, Fit, FitOptions, Folds, IdentifyError, Residuals, f
 use nalgebra::{DMatrix, DVector, Vector3};
 use std::collections::BTreeMap;
 use truepose_errormodel::effects::{Landmarks, Observed};
-use truepose_errormodel::{Dataset, ErrorModel, FittedModel, Visits, own_channel};
+use truepose_errormodel::{Dataset, ErrorModel, FittedModel, Visits, configurations, own_channel};
 use truepose_kinematics::Conditions;
 use truepose_solvers::Solver;
 
@@ -23,10 +23,12 @@ pub struct LandmarkFold {
     pub landmarks: Vec<usize>,
     /// Mean predicted position of each, m, measurement frame.
     pub positions: Vec<Vector3<f64>>,
+    /// Whether no other row states how long anything is, so that the fold has the scale of the whole fit.
+    pub keeps_scale: bool,
 }
 
 /// Leaves out one group of landmarks after the other, `groups` being that of each landmark. Rows without a landmark are left out in as many
-/// parts, in their order. None with fewer than two groups, or fewer than three landmarks where a distance of the nominal robot holds the scale:
+/// parts, by their configurations. Where the scale is known from distances of one group alone, the fold without it keeps the scale of the whole fit. None with fewer than two groups, or fewer than three landmarks where a distance of the nominal robot holds the scale:
 /// without the rows of one of them, two others hold it where the whole fit has them.
 ///
 /// # Errors
@@ -34,22 +36,32 @@ pub struct LandmarkFold {
 pub fn landmark_cross_validation(
     known: &Fit,
     data: &Dataset,
-    groups: &[usize],
+    groups: &[Option<usize>],
     (solver, options): (&dyn Solver, &FitOptions),
 ) -> Result<Option<(CrossValidation, Vec<LandmarkFold>)>, IdentifyError> {
-    let count = groups.iter().max().map_or(0, |last| last + 1);
+    let count = groups.iter().flatten().max().map_or(0, |last| last + 1);
     let landmarks = found_in::<Landmarks>(known.fitted.model().effects());
-    let landmarks = landmarks.filter(|of| of.hold_scale());
-    if count < 2 || landmarks.is_some_and(|of| of.points.len() < 3) {
+    let held = landmarks.is_some_and(Landmarks::hold_scale);
+    let distances_alone =
+        landmarks.filter(|_| !held && (0..data.len()).all(|row| data.landmark(row).is_some()));
+    // Whether a fold has lost all distances.
+    let loses_scale = |left_out: usize| {
+        distances_alone.is_some_and(|of| {
+            let tied = || of.points.iter().zip(groups).filter(|(point, _)| point.tied.is_some());
+            tied().next().is_some() && tied().all(|(_, group)| *group == Some(left_out))
+        })
+    };
+    if count < 2 || landmarks.is_some_and(|of| held && of.points.len() < 3) {
         return Ok(None);
     }
     let visits = Visits::of(data);
     let sensors = found_in::<Observed>(known.fitted.model().effects()).map_or(0, |of| of.sensors.len());
     let points = groups.len().saturating_sub(sensors);
+    let configuration = configurations(data);
     let fold = |visit: usize| {
         let of = |row: usize| data.landmark(row).or_else(|| Some(points + data.sensor(row)?));
         let of = visits.rows[visit].first().and_then(|&row| of(row));
-        of.and_then(|k| groups.get(k)).copied().unwrap_or(visit % count)
+        of.and_then(|k| groups.get(k).copied().flatten()).unwrap_or(configuration[visit] % count)
     };
     let folds = Folds { of_visit: (0..visits.len()).map(fold).collect(), count };
     let mut residuals = Residuals {
@@ -61,11 +73,13 @@ pub fn landmark_cross_validation(
         let (out, rest): (Vec<usize>, Vec<usize>) =
             (0..data.len()).partition(|&row| folds.of_visit[data.visit[row]] == left_out);
         let rest = data.select(&rest);
-        let again = match landmarks {
+        let keeps_scale = loses_scale(left_out);
+        let again = match landmarks.filter(|_| held || keeps_scale) {
             Some(landmarks) => fit(&with_scale(known, landmarks, &rest)?, &rest, solver, options)?,
             None => fit(known.fitted.model(), &rest, solver, options)?,
         };
         let part = judged(&again.fitted.without_landmarks()?, data, &out, &mut residuals)?;
+        let part = LandmarkFold { keeps_scale, ..part };
         fold_rms.push(residuals.positions_of(&out).rms);
         places.push(part);
     }
@@ -142,7 +156,7 @@ fn judged(
     for rows in of_sensor.values() {
         about_own(data, rows, residuals);
     }
-    let mut fold = LandmarkFold { landmarks: Vec::new(), positions: Vec::new() };
+    let mut fold = LandmarkFold { landmarks: Vec::new(), positions: Vec::new(), keeps_scale: false };
     for (&landmark, touches) in &of_landmark {
         let mean = touches.iter().map(|(_, at)| at).sum::<Vector3<f64>>() / touches.len() as f64;
         touches.iter().for_each(|&(row, at)| residuals.position[row] = mean - at);

@@ -222,21 +222,22 @@ fn alone(structure: &Structure, remarks: &[String]) -> IdentifyError {
 /// With fewer groups nothing but the rows of another landmark would be left to judge a landmark by: then rows are left out one by one.
 const FEWEST_GROUPS: usize = 3;
 
-/// The group of each landmark of a model, which known distances join, and behind these of each sensor; none without landmarks, or where there
-/// are sensors and too few groups to leave out whole ones.
-pub fn landmark_groups(effects: &[Box<dyn AnyEffect>]) -> Option<Vec<usize>> {
+/// The group of each landmark of a model, which known distances join, and behind these of each sensor; a sensor of which all is known has none, as its
+/// rows share nothing that nobody knows. No groups at all without landmarks, or where there are sensors and too few groups to leave out whole ones.
+pub fn landmark_groups(effects: &[Box<dyn AnyEffect>]) -> Option<Vec<Option<usize>>> {
     let landmarks = found_in::<Landmarks>(effects);
-    let sensors = found_in::<Observed>(effects).map_or(0, |observed| observed.sensors.len());
-    let mut groups: Vec<usize> = Vec::new();
-    let next = |groups: &[usize]| groups.iter().max().map_or(0, |last| last + 1);
+    let sensors = found_in::<Observed>(effects).map_or(&[][..], |observed| &observed.sensors);
+    let mut groups: Vec<Option<usize>> = Vec::new();
+    let next = |groups: &[Option<usize>]| groups.iter().flatten().max().map_or(0, |last| last + 1);
     for point in landmarks.iter().flat_map(|landmarks| &landmarks.points) {
         let known = point.tied.filter(|tied| !tied.held).map(|tied| groups[tied.to]);
-        groups.push(known.unwrap_or_else(|| next(&groups)));
+        groups.push(known.unwrap_or_else(|| Some(next(&groups))));
     }
-    for _ in 0..sensors {
-        groups.push(next(&groups));
+    for sensor in sensors {
+        groups.push((!sensor.unknowns.is_empty()).then(|| next(&groups)));
     }
-    (!groups.is_empty() && (sensors == 0 || next(&groups) >= FEWEST_GROUPS)).then_some(groups)
+    let count = next(&groups);
+    (count > 0 && (sensors.is_empty() || count >= FEWEST_GROUPS)).then_some(groups)
 }
 
 /// A robot without errors.
