@@ -165,3 +165,46 @@ fn judged(
     }
     Ok(fold)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::landmarks::tests::{campaign, cell, geometric};
+    use crate::landmarks::{landmark_groups, touched};
+    use truepose_errormodel::AnyEffect;
+    use truepose_errormodel::effects::{Sensor, Unknown};
+    use truepose_solvers::PivotedQr;
+
+    #[test]
+    fn a_fold_without_the_only_distance_keeps_the_scale() {
+        let of = cell(4);
+        let (data, mut surroundings) = campaign(&of, 10, 2e-5, 9);
+        surroundings.distances.truncate(1);
+        let (solver, options) = (PivotedQr::default(), FitOptions::default());
+        let made = touched(&of.chain, &geometric(), &data, &surroundings, (&solver, &options)).unwrap();
+        let groups = landmark_groups(&made.effects).unwrap();
+        let model = ErrorModel::new(made.chain.clone(), made.effects.clone()).unwrap();
+        let found = fit(&model, &made.data, &solver, &options).unwrap();
+        let (held, folds) =
+            landmark_cross_validation(&found, &made.data, &groups, (&solver, &options)).unwrap().unwrap();
+        let keeps: Vec<usize> = (0..folds.len()).filter(|&k| folds[k].keeps_scale).collect();
+        assert_eq!((keeps.as_slice(), folds[0].landmarks.as_slice()), (&[0][..], &[0, 1][..]));
+        // An arm that shrinks in that fold takes the spread with it.
+        let apart = (folds[0].positions[0] - folds[0].positions[1]).norm();
+        assert!((apart - 0.05).abs() < 2e-4, "{apart}");
+        let (out, training) = (held.residuals.positions().rms, found.residuals.positions().rms);
+        assert!(out > training, "{out} {training}");
+    }
+
+    #[test]
+    fn rows_of_a_sensor_of_which_all_is_known_are_left_out_by_configuration() {
+        let unknown = Unknown { name: "height".into(), unit: "m".into(), scale: 1e-3 };
+        let sensor =
+            |name: &str, unknowns: &[Unknown]| Sensor { name: name.into(), unknowns: unknowns.to_vec() };
+        let of = |sensors: Vec<Sensor>| -> [Box<dyn AnyEffect>; 1] { [Box::new(Observed { sensors })] };
+        assert_eq!(landmark_groups(&of(vec![sensor("A", &[]), sensor("B", &[])])), None);
+        let free = || vec![unknown.clone()];
+        let mixed = vec![sensor("A", &free()), sensor("B", &[]), sensor("C", &free()), sensor("D", &free())];
+        assert_eq!(landmark_groups(&of(mixed)), Some(vec![Some(0), None, Some(1), Some(2)]));
+    }
+}

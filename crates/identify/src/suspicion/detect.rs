@@ -8,6 +8,7 @@
 use super::cause::{Cause, Suspicion};
 use super::registration::{self, Offset, Point};
 use super::{hypotheses, outlying};
+use crate::place;
 use nalgebra::Vector3;
 use std::collections::BTreeSet;
 use truepose_errormodel::{Dataset, Visits, configurations};
@@ -76,7 +77,11 @@ fn of_the_whole(chain: &Chain, data: &Dataset) -> Option<Option<Suspicion>> {
     let base = chain.base();
     let length = chain.characteristic_length();
     let asis = sampled.points(None);
-    let free = registration::anywhere(&asis, &sampled.offsets);
+    let mut free = registration::anywhere(&asis, &sampled.offsets);
+    if !free.is_finite() || free >= NEGLIGIBLE * length {
+        // Unknown tool and targets are found by a search of its own, where a registration rests elsewhere.
+        free = free.min(sampled.placed(data).unwrap_or(f64::INFINITY));
+    }
     let fixed = base.known.then(|| registration::at(&asis, &sampled.offsets, &base.pose));
     if !free.is_finite() {
         return None;
@@ -213,6 +218,14 @@ impl<'a> Sample<'a> {
         let step = usable.len().div_ceil(ROWS).max(1);
         Self::made(chain, data, usable.iter().copied().step_by(step))
             .filter(|sampled| sampled.rows.len() >= CONFIGURATIONS)
+    }
+
+    /// RMS of its rows with the best base, and the best tool and targets where these are unknown, m.
+    fn placed(&self, data: &Dataset) -> Option<f64> {
+        let base = Placed { known: false, ..*self.chain.base() };
+        let chain = self.chain.clone().with_base(base).ok()?;
+        let rows: Vec<usize> = self.rows.iter().map(|row| row.number).collect();
+        place(&chain, &data.select(&rows)).ok().map(|found| found.rms)
     }
 
     /// Of all these rows.

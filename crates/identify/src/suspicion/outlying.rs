@@ -31,6 +31,8 @@ const TAIL_ROWS: usize = 5;
 const LEAST: f64 = 1e-4;
 /// Rows below which a tail says nothing.
 const FEWEST: usize = 20;
+/// Rows of a point of unknown place that determine it, at the least, with one to spare.
+const PLACED: usize = 3;
 /// More rows than this share are no outliers.
 const MOST: f64 = 0.3;
 /// Under its right name a row has no more than this share of its distance, and is within so many deviations of the others.
@@ -95,11 +97,27 @@ fn once<'a>(
     least: f64,
 ) -> Option<(Constants<'a>, Vec<Judged>, Bulk)> {
     let constants = Constants::fit(chain, data, fitted)?;
-    let judged = constants.judge(all)?;
+    let rows = judgeable(chain, data, fitted, all);
+    if rows.len() < FEWEST {
+        return None;
+    }
+    let judged = constants.judge(&rows)?;
     let (outside, rest) = parted(data, judged, least);
     let rms = (rest.iter().map(|j| j.distance.powi(2)).sum::<f64>() / rest.len().max(1) as f64).sqrt();
     let most = rest.iter().map(|j| j.distance).fold(0.0, f64::max);
     Some((constants, outside, Bulk { rms, most }))
+}
+
+/// Rows that others say anything of: of a tool or a target of unknown place a few of the fitted rows are needed to know where it is.
+fn judgeable(chain: &Chain, data: &Dataset, fitted: &[usize], all: &[usize]) -> Vec<usize> {
+    let point = |row: usize| (data.target[row].map(|target| target.0), data.tool(row).0);
+    let known = |(target, tool): (Option<usize>, usize)| {
+        target.is_none_or(|target| chain.targets()[target].known) && chain.tools()[tool].placed.known
+    };
+    let mut count = BTreeMap::new();
+    fitted.iter().for_each(|&row| *count.entry(point(row)).or_insert(0) += 1);
+    let placed = |row: usize| known(point(row)) || count.get(&point(row)).is_some_and(|&rows| rows >= PLACED);
+    all.iter().copied().filter(|&row| placed(row)).collect()
 }
 
 /// Rows outside, and the others.
