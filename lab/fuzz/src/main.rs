@@ -21,48 +21,15 @@ const LARGEST: u64 = 1 << 30;
 const MOST: usize = 4000;
 const TARGETS: &[&str] = &["robot", "urdf", "measurements", "model", "fit", "poses", "solver", "parquet"];
 
-const PIECES: [&str; 40] = [
-    "nan",
-    "1e999",
-    "-inf",
-    "\"",
-    "'",
-    ",",
-    "\n",
-    "\r",
-    "[",
-    "]",
-    "{",
-    "}",
-    "=",
-    "<",
-    ">",
-    "/>",
-    "é",
-    "\u{0}",
-    "-0",
-    "1e-320",
-    "1e300",
-    "99999999999999999999",
-    "[[joints]]\n",
-    "<joint name='a'>",
-    "known = false\n",
-    ";",
-    "\t",
-    "#",
-    ":",
-    "(",
-    ")",
-    "[deg]",
-    "[mm]",
-    "null",
-    "true",
-    "<!--",
-    "-->",
-    "<![CDATA[",
-    "&lt;",
-    "\u{feff}",
-];
+/// Texts to insert, separated by bars.
+const PIECES: &str = "nan|1e999|-inf|\"|'|,|\n|\r|[|]|{|}|=|<|>|/>|é|\u{0}|-0|1e-320|1e300|99999999999999999999|[[joints]]\n|\
+    <joint name='a'>|known = false\n|;|\t|#|:|(|)|[deg]|[mm]|null|true|<!--|-->|<![CDATA[|&lt;|\u{feff}";
+
+/// One of them.
+fn piece(rng: &mut ChaCha8Rng) -> &'static str {
+    let pieces: Vec<&str> = PIECES.split('|').collect();
+    pieces[rng.random_range(0..pieces.len())]
+}
 
 /// What reads, and good texts to spoil.
 struct Target {
@@ -183,12 +150,13 @@ fn target(name: &'static str) -> Target {
 fn fit(chain: &Chain) -> Vec<u8> {
     use truepose_errormodel::effects::{Geometric, JointCompliance};
     use truepose_errormodel::{ErrorModel, FittedModel};
-    let effects: Vec<Box<dyn truepose_errormodel::AnyEffect>> =
-        vec![Box::new(Geometric::default()), Box::new(JointCompliance::default())];
-    let model = ErrorModel::new(chain.clone(), effects).unwrap();
-    let n = model.columns().len();
-    let covariance = nalgebra::DMatrix::identity(n, n) * 1e-8;
-    let fitted = FittedModel::new(model, vec![1e-4; n], covariance).unwrap();
+    let model = ErrorModel::new(
+        chain.clone(),
+        vec![Box::new(Geometric::default()), Box::new(JointCompliance::default())],
+    );
+    let n = model.as_ref().unwrap().columns().len();
+    let fitted =
+        FittedModel::new(model.unwrap(), vec![1e-4; n], nalgebra::DMatrix::identity(n, n) * 1e-8).unwrap();
     let folder = tempfile::tempdir().unwrap();
     truepose_io::write_fit(folder.path().join("fit.json"), &fitted).unwrap();
     std::fs::read(folder.path().join("fit.json")).unwrap()
@@ -311,7 +279,7 @@ fn spoiled(good: &[Vec<u8>], bad: &[Vec<u8>], rng: &mut ChaCha8Rng) -> Vec<u8> {
     let most = [1, 1, 2, 6][rng.random_range(0..4)];
     for _ in 0..rng.random_range(1..=most) {
         if bytes.is_empty() {
-            bytes = PIECES[rng.random_range(0..PIECES.len())].as_bytes().to_vec();
+            bytes = piece(rng).into();
         }
         let length = bytes.len();
         let at = rng.random_range(0..length);
@@ -325,7 +293,7 @@ fn spoiled(good: &[Vec<u8>], bad: &[Vec<u8>], rng: &mut ChaCha8Rng) -> Vec<u8> {
                 let times = if rng.random_range(0..50) == 0 { 2000 } else { rng.random_range(1..4) };
                 bytes.splice(at..at, part.repeat(times));
             }
-            4 => drop(bytes.splice(at..at, PIECES[rng.random_range(0..PIECES.len())].bytes())),
+            4 => drop(bytes.splice(at..at, piece(rng).bytes())),
             5 => bytes.truncate(at),
             6 => {
                 // A piece of another input.
