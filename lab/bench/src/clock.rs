@@ -36,3 +36,9 @@ pub fn processor() -> String {
     let line = text.lines().find_map(|l| l.strip_prefix("model name")?.split_once(':'));
     line.map_or_else(|| "unknown".into(), |(_, name)| name.trim().to_string())
 }
+
+/// Prints the processor, the threads, and the load then and now.
+pub fn say_machine(threads: &str, before: f64) {
+    let (processor, after) = (processor(), load());
+    crate::say(&format!("{processor}, {threads}; load {before:.1} at the beginning, {after:.1} at the end"));
+}

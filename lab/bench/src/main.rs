@@ -1,7 +1,6 @@
 #![doc = include_str!("../README.md")]
 
 mod arguments;
-mod breadth;
 mod child;
 mod clock;
 mod discovery;
@@ -15,6 +14,7 @@ mod workload;
 mod workloads;
 
 use arguments::Arguments;
+use clap::Parser;
 use std::io::Write;
 use std::process::ExitCode;
 use workload::Failure;
@@ -27,9 +27,9 @@ fn say(text: &str) {
 }
 
 fn run() -> Result<(), Failure> {
-    let arguments = Arguments::read()?;
-    rayon::ThreadPoolBuilder::new().num_threads(arguments.threads).build_global()?;
-    if let Some((workload, way)) = &arguments.serve {
+    let arguments = Arguments::parse();
+    rayon::ThreadPoolBuilder::new().num_threads(arguments.threads.max(1)).build_global()?;
+    if let [workload, way] = &arguments.serve[..] {
         let found = workloads::ALL.iter().find(|w| w.name == workload);
         let declared = found.and_then(|w| w.ways.iter().find(|d| d.name == way));
         let prepare = declared.ok_or(format!("there is no way `{way}` of `{workload}`"))?.prepare;
@@ -37,8 +37,8 @@ fn run() -> Result<(), Failure> {
     }
     match arguments.only.as_slice() {
         [only] if only == "growth" => growth::run(&arguments.figure),
-        [only] if only == "breadth" => breadth::run(arguments.most_joints, arguments.threads),
-        [only] if only == "discover" => discovery::run(arguments.most_rows, arguments.threads),
+        [only] if only == "breadth" => discovery::breadth(arguments.most_joints, arguments.threads),
+        [only] if only == "discover" => discovery::rows(arguments.most_rows, arguments.threads),
         _ => runner::run(&arguments),
     }
 }

@@ -21,10 +21,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         1e-9 * machine.bytes,
         clock::load()
     ));
-    let earlier = match &arguments.against {
-        Some(path) => Some(Results::read(path)?),
-        None => None,
-    };
+    let earlier = arguments.against.as_deref().map(Results::read).transpose()?;
     let mut results = Results::new(machine, processor, arguments.threads);
     for workload in workloads::ALL.iter().filter(|w| arguments.wants(w.name)) {
         let summary = one(workload, arguments, with_peers, &mut results.versions)?;

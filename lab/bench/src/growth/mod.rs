@@ -13,12 +13,13 @@ mod rows;
 
 use crate::workload::Failure;
 use crate::{clock, say};
-use rows::{Blocks, points};
+use rows::Blocks;
 use std::path::Path;
 use truepose_errormodel::effects::{Polynomial, WrenchComponent};
 use truepose_errormodel::{AnyEffect, ErrorModel};
 use truepose_identify::{FitOptions, PriorStrength, StreamedOptions, fit, identify_streamed};
 use truepose_kinematics::{Axis, Chain, JointId, samples};
+use truepose_micro::points;
 use truepose_solvers::PivotedQr;
 
 /// One measured series.
@@ -54,7 +55,7 @@ pub fn run(figure: &Path) -> Result<(), Failure> {
         by_rows.take(rows, cpu, &format!("{rank} grouped errors"));
     }
 
-    let data = points(&chain, 0, POINTS)?;
+    let data = points(&chain, 0, POINTS);
     let mut by_unknowns = Series { name: "unknowns", points: Vec::new() };
     for aim in UNKNOWNS {
         let model = nearest(&chain, aim)?;
@@ -69,11 +70,7 @@ pub fn run(figure: &Path) -> Result<(), Failure> {
         std::fs::create_dir_all(folder)?;
     }
     figure::draw(figure, &by_rows, &by_unknowns)?;
-    say(&format!(
-        "{}, one thread; load {load:.1} at the beginning, {:.1} at the end",
-        clock::processor(),
-        clock::load()
-    ));
+    clock::say_machine("one thread", load);
     say(&format!("written to {}", figure.display()));
     Ok(())
 }
