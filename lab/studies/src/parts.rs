@@ -1,12 +1,8 @@
 //! Studies of several parts on numbered robots: `study NAME [PART…] [--robots N] [--half tuning|locked]`.
 
 use crate::journal::commit;
+use crate::prelude::*;
 use crate::results::keep;
-use crate::{asked, folder, print};
-use clap::{Parser, ValueEnum};
-use rayon::prelude::*;
-use std::error::Error;
-use std::fmt::Write;
 
 #[derive(Parser)]
 struct Options {
@@ -15,13 +11,6 @@ struct Options {
     robots: Option<u64>,
     #[arg(long, value_enum, default_value = "tuning")]
     half: Half,
-}
-
-/// Robots to work with, and robots to which nothing is tuned.
-#[derive(Clone, Copy, PartialEq, ValueEnum)]
-enum Half {
-    Tuning,
-    Locked,
 }
 
 /// What is asked of a part.
@@ -33,12 +22,9 @@ pub struct Asked {
 
 impl Asked {
     /// One record a robot, of its number.
-    pub fn each<T: Send>(
-        &self,
-        one: impl Fn(u64) -> Result<T, Box<dyn Error>> + Sync,
-    ) -> Result<Vec<T>, Box<dyn Error>> {
-        let told = |number: u64| one(number).map_err(|error| format!("robot {number}: {error}"));
-        Ok((0..self.robots).into_par_iter().map(told).collect::<Result<Vec<T>, String>>()?)
+    pub fn each<T: Send>(&self, one: impl Fn(u64) -> Outcome<T> + Sync) -> Outcome<Vec<T>> {
+        let of = |number| one(number).map_err(|error| format!("robot {number}: {error}").into());
+        (0..self.robots).into_par_iter().map(of).collect()
     }
 }
 
@@ -48,8 +34,8 @@ pub fn run(
     study: &str,
     parts: &[(&'static str, u64)],
     arguments: &[String],
-    table: impl Fn(&str, &Asked) -> Result<String, Box<dyn Error>>,
-) -> Result<(), Box<dyn Error>> {
+    table: impl Fn(&str, &Asked) -> Outcome<String>,
+) -> Outcome {
     let options: Options = asked(arguments)?;
     let locked = options.half == Half::Locked;
     let known = |word: &String| {
@@ -61,7 +47,7 @@ pub fn run(
         wanted = parts.to_vec();
     }
     let mut all = String::new();
-    let half = if locked { "locked" } else { "tuning" };
+    let half = options.half.word();
     for (part, count) in wanted {
         let part_of = Asked { robots: options.robots.unwrap_or(count), locked };
         let table = table(part, &part_of)?;

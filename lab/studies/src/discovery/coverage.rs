@@ -3,10 +3,8 @@
 use super::hidden_effects::HiddenEffect;
 use super::plants::Made;
 use super::record::Interval;
+use crate::prelude::*;
 use truepose_discover::Finding;
-use truepose_kinematics::{Chain, JointKind};
-use truepose_simulate::physics::changes::{Amount, Mover};
-use truepose_simulate::physics::transmission::TransmissionError;
 
 /// Intervals of a finding at the right place, each with its truth.
 pub fn intervals(cause: HiddenEffect, made: &Made, found: &Finding) -> Vec<Interval> {

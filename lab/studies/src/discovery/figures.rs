@@ -1,16 +1,13 @@
 //! A figure of each part, as SVG.
 
-use super::hidden_effects::HIDDEN_EFFECTS;
+use super::hidden_effects::HiddenEffect;
 use super::record::Record;
 use super::summary::{confusion, first_p};
+use crate::prelude::*;
 use plotters::prelude::*;
-use std::error::Error;
-use std::path::Path;
-
-type Done = Result<(), Box<dyn Error>>;
 
 /// The p of the nulls' first screens: their distribution against the straight line that it should be.
-pub fn nulls(path: &Path, records: &[Record]) -> Done {
+pub fn nulls(path: &Path, records: &[Record]) -> Outcome {
     let mut p: Vec<f64> = records.iter().filter(|r| r.ended()).map(first_p).collect();
     p.sort_by(f64::total_cmp);
     let root = SVGBackend::new(path, (600, 560)).into_drawing_area();
@@ -30,17 +27,17 @@ pub fn nulls(path: &Path, records: &[Record]) -> Done {
 }
 
 /// Share found with the right name and place against the size, one small chart a cause.
-pub fn power(path: &Path, records: &[Record], multiples: &[f64]) -> Done {
+pub fn power(path: &Path, records: &[Record], multiples: &[f64]) -> Outcome {
     const COLUMNS: usize = 5;
     let root = SVGBackend::new(path, (1250, 1000)).into_drawing_area();
     root.fill(&WHITE)?;
-    let areas = root.split_evenly((HIDDEN_EFFECTS.len().div_ceil(COLUMNS), COLUMNS));
+    let areas = root.split_evenly((HiddenEffect::all().len().div_ceil(COLUMNS), COLUMNS));
     let (first, last) = (multiples.first().copied().unwrap_or(0.5), multiples.last().copied().unwrap_or(8.0));
-    for ((_, word), area) in HIDDEN_EFFECTS.iter().zip(&areas) {
+    for (word, area) in HiddenEffect::all().iter().map(Word::word).zip(&areas) {
         let share = |m: f64, of: fn(&Record) -> bool| {
             let here: Vec<&Record> = records
                 .iter()
-                .filter(|r| r.cause == *word && r.ended() && (r.multiple - m).abs() < 1e-9)
+                .filter(|r| r.cause == word && r.ended() && (r.multiple - m).abs() < 1e-9)
                 .collect();
             let count = here.iter().filter(|r| of(r)).count();
             (!here.is_empty()).then(|| (m.log2(), count as f64 / here.len() as f64))
@@ -49,7 +46,7 @@ pub fn power(path: &Path, records: &[Record], multiples: &[f64]) -> Done {
             multiples.iter().filter_map(|&m| share(m, of)).collect()
         };
         let mut chart = ChartBuilder::on(area)
-            .caption(*word, ("sans-serif", 15))
+            .caption(&word, ("sans-serif", 15))
             .margin(8)
             .x_label_area_size(25)
             .y_label_area_size(35)
@@ -65,16 +62,13 @@ pub fn power(path: &Path, records: &[Record], multiples: &[f64]) -> Done {
 }
 
 /// What is hidden against what is named first.
-pub fn matrix(path: &Path, records: &[Record]) -> Done {
+pub fn matrix(path: &Path, records: &[Record]) -> Outcome {
     let counts = confusion(records);
     let mut names: Vec<&str> = counts.keys().map(|(_, first)| first.as_str()).collect();
     names.sort_unstable();
     names.dedup();
-    let rows: Vec<&str> = HIDDEN_EFFECTS
-        .iter()
-        .map(|c| c.1)
-        .filter(|word| counts.keys().any(|(cause, _)| cause == word))
-        .collect();
+    let named = |word: &String| counts.keys().any(|(cause, _)| cause == word);
+    let rows: Vec<String> = HiddenEffect::all().iter().map(Word::word).filter(named).collect();
     let (left, top, cell) = (150, 130, 44);
     let size = (left + cell * names.len() as i32 + 20, top + cell * rows.len() as i32 + 20);
     let root = SVGBackend::new(path, (size.0 as u32, size.1 as u32)).into_drawing_area();
@@ -87,11 +81,11 @@ pub fn matrix(path: &Path, records: &[Record]) -> Done {
     }
     for (row, word) in rows.iter().enumerate() {
         let y = top + cell * row as i32;
-        root.draw(&Text::new(*word, (10, y + 15), ("sans-serif", 13)))?;
+        root.draw(&Text::new(word.as_str(), (10, y + 15), ("sans-serif", 13)))?;
         let all: usize = counts.iter().filter(|((cause, _), _)| cause == word).map(|(_, n)| n).sum();
         for (k, name) in names.iter().enumerate() {
             let x = left + cell * k as i32;
-            let n = counts.get(&((*word).to_owned(), (*name).to_owned())).copied().unwrap_or(0);
+            let n = counts.get(&(word.clone(), (*name).to_owned())).copied().unwrap_or(0);
             let share = n as f64 / all.max(1) as f64;
             root.draw(&Rectangle::new(
                 [(x, y), (x + cell - 2, y + cell - 2)],
@@ -112,7 +106,7 @@ pub fn matrix(path: &Path, records: &[Record]) -> Done {
 }
 
 /// Errors of parameters in half widths of their intervals, by size: 95 % should lie between the lines.
-pub fn coverage(path: &Path, records: &[Record]) -> Done {
+pub fn coverage(path: &Path, records: &[Record]) -> Outcome {
     let root = SVGBackend::new(path, (800, 450)).into_drawing_area();
     root.fill(&WHITE)?;
     let mut chart = ChartBuilder::on(&root)

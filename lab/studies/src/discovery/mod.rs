@@ -10,6 +10,7 @@
 //! `study discovery [--short] [--nulls N] [--robots N] [--multiples M,M] [--causes C,C] [--part NAME] [--folder NAME]` runs what is not
 //! yet in its tables, one line a robot; `study discovery --one CAUSE SEED MULTIPLE [--without]` shows one whole diagnosis (cause `none`: a null).
 
+use crate::prelude::*;
 mod coverage;
 mod figures;
 pub mod hidden_effects;
@@ -20,13 +21,8 @@ mod several;
 pub mod summary;
 pub mod trial;
 
-use crate::journal::{Journal, line};
-use crate::results::{Kept, finish};
-use crate::{asked, print};
-use clap::Parser;
-use hidden_effects::{HIDDEN_EFFECTS, HiddenEffect};
+use hidden_effects::HiddenEffect;
 use record::Record;
-use std::error::Error;
 use trial::Task;
 use truepose_report::{DiscoverySettings, DiscoverySummary};
 
@@ -49,7 +45,7 @@ struct Asked {
     robots: u64,
     #[arg(long, value_delimiter = ',')]
     multiples: Vec<f64>,
-    #[arg(long, value_delimiter = ',', value_parser = cause)]
+    #[arg(long, value_enum, value_delimiter = ',')]
     causes: Vec<HiddenEffect>,
     #[arg(long, value_parser = ["nulls", "power", "several", "without"])]
     part: Option<String>,
@@ -64,10 +60,10 @@ struct Asked {
 }
 
 /// Runs the study.
-pub fn run(arguments: &[String]) -> Result<(), Box<dyn Error>> {
+pub fn run(arguments: &[String]) -> Outcome {
     let mut asked: Asked = asked(arguments)?;
     if let [word, seed, multiple] = &asked.one[..] {
-        let cause = if word == "none" { None } else { Some(cause(word)?) };
+        let cause = if word == "none" { None } else { Some(HiddenEffect::from_str(word, false)?) };
         let (seed, multiple) = (seed.parse()?, multiple.parse()?);
         return one(&Task { cause, multiple, seed, without: asked.without });
     }
@@ -75,7 +71,7 @@ pub fn run(arguments: &[String]) -> Result<(), Box<dyn Error>> {
         asked.multiples = if asked.short { vec![1.0, 4.0] } else { MULTIPLES.to_vec() };
     }
     if asked.causes.is_empty() {
-        asked.causes = HIDDEN_EFFECTS.iter().map(|(cause, _)| *cause).collect();
+        asked.causes = HiddenEffect::all().to_vec();
     }
     let (folder, commit) = asked.kept.open("discovery")?;
     let wanted = |part: &str| asked.part.as_deref().is_none_or(|only| only == part);
@@ -126,21 +122,15 @@ pub fn run(arguments: &[String]) -> Result<(), Box<dyn Error>> {
 }
 
 /// Runs what is not yet in the table.
-pub fn work(journal: &mut Journal<Record>, tasks: impl Iterator<Item = Task>) -> Result<(), Box<dyn Error>> {
-    for task in tasks {
-        let word = task.cause.map_or("none", HiddenEffect::word);
-        if journal.records.iter().any(|known| known.is(word, task.multiple, task.seed)) {
-            continue;
-        }
-        let record = task.run();
-        print(&format!("{}: {} in {:.1} s, {}", task.words(), record.first, record.seconds, record.story));
-        journal.add(record)?;
-    }
-    Ok(())
+pub fn work(journal: &mut Journal<Record>, tasks: impl Iterator<Item = Task>) -> Outcome {
+    let words = |task: &Task, record: &Record| {
+        Some(format!("{}: {} in {:.1} s, {}", task.words(), record.first, record.seconds, record.story))
+    };
+    journal.complete(tasks, |known, task| task.is_of(known), |task| Ok(task.run()), words)
 }
 
 /// One robot, with all results of the search.
-fn one(task: &Task) -> Result<(), Box<dyn Error>> {
+fn one(task: &Task) -> Outcome {
     let (made, diagnosis) = task.diagnosed()?;
     let truth = made.hidden.as_ref().map_or("nothing hidden".into(), |hidden| hidden.place.words());
     print(&format!("{}: {} with {}, λ = {:.3}", task.words(), made.robot, truth, made.lambda));
@@ -153,13 +143,6 @@ fn one(task: &Task) -> Result<(), Box<dyn Error>> {
     let summary = DiscoverySummary::new(&diagnosis, settings);
     print(&summary.to_string());
     print(&serde_json::to_string_pretty(&summary)?);
-    print(line(&task.judged(&made, &diagnosis)).trim_end());
+    print_line(&task.judged(&made, &diagnosis));
     Ok(())
-}
-
-/// The cause of this name.
-fn cause(word: &str) -> Result<HiddenEffect, String> {
-    let known: Vec<&str> = HIDDEN_EFFECTS.iter().map(|(_, word)| *word).collect();
-    HiddenEffect::named(word)
-        .ok_or_else(|| format!("unknown cause `{word}`; there are: none, {}", known.join(", ")))
 }

@@ -1,7 +1,6 @@
 //! One line a robot.
 
-use crate::journal::number;
-use serde::{Deserialize, Serialize};
+use crate::prelude::*;
 
 /// A parameter with its interval and its truth.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -2,14 +2,9 @@
 
 use super::plants::{HOLDOUT, Several, several};
 use super::record::Record;
-use super::trial::{is_named, is_there, plain, ratios};
-use crate::journal::Journal;
-use crate::print;
-use std::error::Error;
-use std::fmt::Write;
-use std::time::Instant;
+use super::trial::{is_named, is_there, ratios};
+use crate::prelude::*;
 use truepose_discover::{DiscoverOptions, Finding, diagnose};
-use truepose_solvers::PivotedQr;
 
 /// Each cause is this many times as large as it would have to be alone to be detected.
 pub const MULTIPLE: f64 = 8.0;
@@ -17,15 +12,11 @@ pub const MULTIPLE: f64 = 8.0;
 const WORD: &str = "several";
 
 /// Runs what is not yet in the table.
-pub fn work(journal: &mut Journal<Record>, robots: u64) -> Result<(), Box<dyn Error>> {
-    for seed in 0..robots {
-        if !journal.records.iter().any(|known| known.is(WORD, MULTIPLE, seed)) {
-            let record = run(seed);
-            print(&format!("{WORD} {seed}: {}, ratio {:.2}", record.story, record.ratio));
-            journal.add(record)?;
-        }
-    }
-    Ok(())
+pub fn work(journal: &mut Journal<Record>, robots: u64) -> Outcome {
+    let words = |seed: &u64, record: &Record| {
+        Some(format!("{WORD} {seed}: {}, ratio {:.2}", record.story, record.ratio))
+    };
+    journal.complete(0..robots, |known, seed| known.is(WORD, MULTIPLE, *seed), |seed| Ok(run(*seed)), words)
 }
 
 /// One robot: `found` when every effect was found with its name and place; `extras` counts other findings.
@@ -38,14 +29,14 @@ fn run(seed: u64) -> Record {
     }
 }
 
-fn judged(seed: u64, mut record: Record) -> Result<Record, Box<dyn Error>> {
+fn judged(seed: u64, mut record: Record) -> Outcome<Record> {
     let Several { made, causes: hidden } = several(MULTIPLE, seed)?;
     let options = DiscoverOptions { holdout: Some(HOLDOUT.0), seed: HOLDOUT.1, ..DiscoverOptions::default() };
     let begun = Instant::now();
     let data = &made.seen.data;
     let told = diagnose(&made.chain, &made.declared, data, &PivotedQr::default(), &options, &|_| ())?;
     record.seconds = begun.elapsed().as_secs_f64();
-    record.robot = made.robot.into();
+    record.robot.clone_from(&made.robot);
     record.visits = data.visit.iter().max().map_or(0, |last| last + 1);
     let tells = |finding: &Finding, k: usize| {
         let (cause, hidden) = &hidden[k];
@@ -73,7 +64,6 @@ fn judged(seed: u64, mut record: Record) -> Result<Record, Box<dyn Error>> {
 
 /// What the lines come to.
 pub fn summary(records: &[Record]) -> Result<String, std::fmt::Error> {
-    let mut text = String::new();
     let ended: Vec<&Record> = records.iter().filter(|record| record.ended()).collect();
     let count = |of: fn(&Record) -> bool| ended.iter().filter(|record| of(record)).count();
     let counts = |record: &&&Record| -> Option<(usize, usize)> {
@@ -85,25 +75,13 @@ pub fn summary(records: &[Record]) -> Result<String, std::fmt::Error> {
     let mut ratios: Vec<f64> = ended.iter().map(|record| record.ratio).collect();
     ratios.sort_by(f64::total_cmp);
     let quantile = |share: f64| ratios.get((share * (ratios.len().max(1) - 1) as f64) as usize).copied();
-    writeln!(
-        text,
-        "Two or three causes in one robot, each {MULTIPLE} times as large as is detectable alone"
-    )?;
-    writeln!(
-        text,
-        "{} robots: causes with the right name and place {named} of {hidden}, all of a robot's {}, first find right {}, nothing found {}",
-        ended.len(),
-        count(|record| record.found),
-        count(|record| record.first_right),
-        count(|record| record.findings == 0),
-    )?;
+    let [middle, most, worst] = [0.5, 0.9, 1.0].map(|share| quantile(share).unwrap_or(f64::NAN));
+    let (all, first) = (count(|record| record.found), count(|record| record.first_right));
+    let (robots, nothing) = (ended.len(), count(|record| record.findings == 0));
     let extras: usize = ended.iter().map(|record| record.extras).sum();
-    writeln!(
-        text,
-        "further finds {extras}; held-out RMS over the true plant's: median {:.3}, of nine in ten {:.3}, worst {:.3}",
-        quantile(0.5).unwrap_or(f64::NAN),
-        quantile(0.9).unwrap_or(f64::NAN),
-        quantile(1.0).unwrap_or(f64::NAN),
-    )?;
-    Ok(text)
+    Ok(format!(
+        "Two or three causes in one robot, each {MULTIPLE} times as large as is detectable alone\n\
+         {robots} robots: causes with the right name and place {named} of {hidden}, all of a robot's {all}, first find right {first}, nothing found {nothing}\n\
+         further finds {extras}; held-out RMS over the true plant's: median {middle:.3}, of nine in ten {most:.3}, worst {worst:.3}\n"
+    ))
 }

@@ -1,14 +1,13 @@
 //! One robot through the loop, and what became of it.
 
 use super::coverage;
-use super::hidden_effects::HiddenEffect;
+use super::hidden_effects::{HiddenEffect, word_of};
 use super::plants::{HOLDOUT, Made, make};
 use super::record::Record;
-use std::error::Error;
-use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::time::Instant;
-use truepose_discover::{Diagnosis, DiscoverOptions, Family, Finding, Library, Place, Policy, diagnose};
-use truepose_solvers::PivotedQr;
+use crate::prelude::*;
+use truepose_discover::{
+    Diagnosis, DiscoverOptions, Errors, Family, Finding, Library, Place, Policy, diagnose,
+};
 
 /// A robot to come.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -24,19 +23,19 @@ pub struct Task {
 impl Task {
     /// What to type for it alone.
     pub fn words(&self) -> String {
-        let cause = self.cause.map_or("none", HiddenEffect::word);
+        let cause = word_of(self.cause);
         let without = if self.without { " --without" } else { "" };
         format!("{cause} {} {}{without}", self.seed, self.multiple)
     }
 
     /// The plant and the results of the search.
-    pub fn diagnosed(&self) -> Result<(Made, Diagnosis), Box<dyn Error>> {
+    pub fn diagnosed(&self) -> Outcome<(Made, Diagnosis)> {
         let made = make(self.cause, self.multiple, self.seed)?;
         let diagnosis = self.look(&made, &Policy::default())?;
         Ok((made, diagnosis))
     }
 
-    fn look(&self, made: &Made, policy: &Policy) -> Result<Diagnosis, Box<dyn Error>> {
+    fn look(&self, made: &Made, policy: &Policy) -> Outcome<Diagnosis> {
         let options = DiscoverOptions {
             holdout: Some(HOLDOUT.0),
             seed: HOLDOUT.1,
@@ -69,21 +68,20 @@ impl Task {
         };
         self.describe(&made, &mut record);
         let (begun, spent) = (Instant::now(), processor_seconds());
-        let looked =
-            catch_unwind(AssertUnwindSafe(|| self.look(&made, policy).map_err(|error| error.to_string())));
+        let looked = caught(|| self.look(&made, policy));
         record.seconds = begun.elapsed().as_secs_f64();
         record.processor = processor_seconds() - spent;
         match looked {
-            Err(_) => record.first = "panic".into(),
-            Ok(Err(error)) => (record.first, record.story) = ("error".into(), plain(&error)),
-            Ok(Ok(diagnosis)) => self.judge(&made, &diagnosis, &mut record),
+            Ok(diagnosis) => self.judge(&made, &diagnosis, &mut record),
+            Err(words) if words == "panic" => record.first = words,
+            Err(words) => (record.first, record.story) = ("error".into(), plain(&words)),
         }
         record
     }
 
     /// Whether a line is that of this robot.
     pub fn is_of(&self, record: &Record) -> bool {
-        record.is(self.cause.map_or("none", HiddenEffect::word), self.multiple, self.seed)
+        record.is(&word_of(self.cause), self.multiple, self.seed)
     }
 
     /// The line of a diagnosis.
@@ -96,7 +94,7 @@ impl Task {
 
     fn blank(&self) -> Record {
         Record {
-            cause: self.cause.map_or("none", HiddenEffect::word).into(),
+            cause: word_of(self.cause),
             multiple: self.multiple,
             seed: self.seed,
             first: "none".into(),
@@ -105,7 +103,7 @@ impl Task {
     }
 
     fn describe(&self, made: &Made, record: &mut Record) {
-        record.robot = made.robot.into();
+        record.robot.clone_from(&made.robot);
         record.heavy = made.heavy;
         record.visits = made.seen.data.visit.iter().max().map_or(0, |last| last + 1);
         record.lambda = made.lambda;
@@ -144,11 +142,8 @@ impl Task {
 
 /// Held-out RMS over that of the true plant, after and before.
 pub(super) fn ratios(made: &Made, diagnosis: &Diagnosis) -> (f64, f64) {
-    let rows = &diagnosis.holdout_rows;
-    let square =
-        |&row: &usize| (made.seen.data.measured_position(row) - made.seen.true_positions[row]).norm_squared();
-    let noise = (rows.iter().map(square).sum::<f64>() / rows.len().max(1) as f64).sqrt();
-    let over = |errors: &truepose_discover::Errors| errors.holdout.positions().rms / noise;
+    let noise = noise_of(&made.seen, &diagnosis.holdout_rows);
+    let over = |errors: &Errors| errors.holdout.positions().rms / noise;
     (over(&diagnosis.after), over(&diagnosis.before))
 }
 
@@ -170,21 +165,6 @@ pub(super) fn is_there(truth: &Place, place: &Place) -> bool {
         && agrees(&truth.channel, &place.channel)
         && agrees(&truth.target, &place.target)
         && level
-}
-
-/// What this process has taken of the processors, s; NaN where the system does not report it as Linux does.
-pub fn processor_seconds() -> f64 {
-    let text = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
-    let after_name = text.rsplit(')').next().unwrap_or_default();
-    // Hundredths, in user and in system mode.
-    let ticks: Vec<f64> =
-        after_name.split_whitespace().skip(11).take(2).filter_map(|word| word.parse().ok()).collect();
-    if ticks.len() == 2 { 0.01 * ticks.iter().sum::<f64>() } else { f64::NAN }
-}
-
-/// Without what would break a row of CSV.
-pub(super) fn plain(text: &str) -> String {
-    text.replace([',', '\n', '"'], " ")
 }
 
 #[cfg(test)]

@@ -1,15 +1,15 @@
 //! Hidden effects of a robot: undeclared errors, by the plant's physics or of no named family.
 
-use super::draw::Draw;
 use super::makes::Make;
 use super::unnamed::Unnamed;
-use truepose_kinematics::{Chain, JointKind};
+use crate::prelude::*;
 use truepose_simulate::flaws::{
-    Backlash, Drift, Flaws, JointCompliance, LeadScrew, Mislabelled, Shift, Thermal, Transmission, Wheel,
+    Backlash, Drift, JointCompliance, LeadScrew, Mislabelled, Shift, Thermal, Transmission, Wheel,
 };
 
 /// Kinds of what is hidden.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+#[value(rename_all = "snake_case")]
 pub enum Hidden {
     Nothing,
     /// An eccentric wheel in two joints.
@@ -54,23 +54,6 @@ pub const HIDDEN: [Hidden; 13] = [
 ];
 
 impl Hidden {
-    pub fn word(self) -> &'static str {
-        match self {
-            Hidden::Nothing => "nothing",
-            Hidden::Gear => "gear",
-            Hidden::Mesh => "mesh",
-            Hidden::Compliance => "compliance",
-            Hidden::Backlash => "backlash",
-            Hidden::Thermal => "thermal",
-            Hidden::Drift => "drift",
-            Hidden::Payload => "payload",
-            Hidden::Several => "several",
-            Hidden::Nonsense => "nonsense",
-            Hidden::Hysteresis => "hysteresis",
-            Hidden::Wander => "wander",
-        }
-    }
-
     /// Whether it takes different payloads to be seen.
     pub fn needs_loads(self) -> bool {
         self == Hidden::Payload

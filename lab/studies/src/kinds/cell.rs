@@ -1,98 +1,57 @@
 //! A light arm in a cell where everything stands that it can be measured with.
 
-use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
-use std::error::Error;
-use std::fmt::Write;
+use crate::prelude::*;
 use truepose_errormodel::observation::{Camera, Distance, Linear, Observation, Plane, Relative, Sphere};
-use truepose_errormodel::{Dataset, KnownDistance, Landmark, Surroundings};
-use truepose_kinematics::nalgebra::Vector3;
-use truepose_kinematics::{Chain, Placed, Pose, samples};
-use truepose_simulate::{Plant, PlantDescription};
+use truepose_errormodel::{KnownDistance, Landmark, Surroundings};
+use truepose_simulate::PlantDescription;
 
 /// What a campaign is made with.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Kind {
+    #[value(name = "same_point")]
     Sockets,
+    #[value(name = "distance")]
     Wires,
+    #[value(name = "plane")]
     Plates,
+    #[value(name = "sphere")]
     Balls,
+    #[value(name = "linear")]
     Gauges,
+    #[value(name = "relative")]
     Series,
+    #[value(name = "pixel, in the cell")]
     Cameras,
+    #[value(name = "pixel, on the robot")]
     Eye,
 }
 
-impl Kind {
-    pub const ALL: [Kind; 8] = [
-        Kind::Sockets,
-        Kind::Wires,
-        Kind::Plates,
-        Kind::Balls,
-        Kind::Gauges,
-        Kind::Series,
-        Kind::Cameras,
-        Kind::Eye,
-    ];
-
-    pub fn word(self) -> &'static str {
-        match self {
-            Kind::Sockets => "same_point",
-            Kind::Wires => "distance",
-            Kind::Plates => "plane",
-            Kind::Balls => "sphere",
-            Kind::Gauges => "linear",
-            Kind::Series => "relative",
-            Kind::Cameras => "pixel, in the cell",
-            Kind::Eye => "pixel, on the robot",
-        }
-    }
-}
-
 /// What is wrong with one of them.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Fault {
+    #[value(name = "a socket moved by 0.5 mm")]
     SocketMoved,
+    #[value(name = "a wire 0.2 % too long")]
     WireGain,
+    #[value(name = "a plate bowed by 0.4 mm")]
     PlateBowed,
+    #[value(name = "a ball 0.4 mm too large")]
     BallRadius,
+    #[value(name = "a gauge 0.2 % too steep")]
     GaugeGain,
+    #[value(name = "a series moved by 0.5 mm")]
     SeriesMoved,
+    #[value(name = "focal length of a camera 1 % off")]
     CameraLens,
+    #[value(name = "focal length on the robot 1 % off")]
     EyeLens,
+    #[value(name = "the camera on the robot moved by 1 mm")]
     EyeMoved,
+    #[value(name = "one row names another socket")]
     Misnamed,
 }
 
 impl Fault {
-    pub const ALL: [Fault; 10] = [
-        Fault::SocketMoved,
-        Fault::WireGain,
-        Fault::PlateBowed,
-        Fault::BallRadius,
-        Fault::GaugeGain,
-        Fault::SeriesMoved,
-        Fault::CameraLens,
-        Fault::EyeLens,
-        Fault::EyeMoved,
-        Fault::Misnamed,
-    ];
-
-    pub fn word(self) -> &'static str {
-        match self {
-            Fault::SocketMoved => "a socket moved by 0.5 mm",
-            Fault::WireGain => "a wire 0.2 % too long",
-            Fault::PlateBowed => "a plate bowed by 0.4 mm",
-            Fault::BallRadius => "a ball 0.4 mm too large",
-            Fault::GaugeGain => "a gauge 0.2 % too steep",
-            Fault::SeriesMoved => "a series moved by 0.5 mm",
-            Fault::CameraLens => "focal length of a camera 1 % off",
-            Fault::EyeLens => "focal length on the robot 1 % off",
-            Fault::EyeMoved => "the camera on the robot moved by 1 mm",
-            Fault::Misnamed => "one row names another socket",
-        }
-    }
-
     /// The kind that has it, the landmark, and the word that the program has for it.
     pub fn place(self) -> (Kind, &'static str, &'static str) {
         match self {
@@ -173,18 +132,18 @@ pub fn eye_place() -> Pose {
 const VISIT_S: f64 = 30.0;
 
 /// The arm: a UR10's lengths, a tool beside its flange.
-pub fn arm() -> Result<Chain, Box<dyn Error>> {
+pub fn arm() -> Outcome<Chain> {
     let joints = samples::ur10().joints().iter().map(|joint| joint.clone().with_limits(-2.8, 2.8)).collect();
-    let tool = Placed { pose: Pose::from_xyz_rpy([0.04, 0.03, 0.12], [0.0; 3]), known: true };
+    let tool = known(Pose::from_xyz_rpy([0.04, 0.03, 0.12], [0.0; 3]));
     Ok(Chain::new("light", joints)?.with_tool(tool)?)
 }
 
 /// A campaign of these kinds with this robot.
-pub fn made(kinds: &[Kind], fault: Option<Fault>, size: Size, seed: u64) -> Result<Made, Box<dyn Error>> {
+pub fn made(kinds: &[Kind], fault: Option<Fault>, size: Size, seed: u64) -> Outcome<Made> {
     let chain = arm()?;
     let mut things: Vec<Thing> = Vec::new();
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    for kind in Kind::ALL {
+    for &kind in Kind::all() {
         // All are drawn, so that a kind stands where it stands whatever there is beside it.
         let drawn = of_kind(kind, size, &mut rng);
         things.extend(drawn.into_iter().filter(|_| kinds.contains(&kind)));
@@ -241,13 +200,15 @@ fn of_kind(kind: Kind, size: Size, rng: &mut ChaCha8Rng) -> Vec<Thing> {
     let noise = size.noise;
     let mut near = |at: [f64; 3]| at.map(|v| v + 40.0 * (rng.random::<f64>() - 0.5));
     let thing = |name: String, lines: String, known: Landmark| {
-        let table = if matches!(kind, Kind::Cameras | Kind::Eye) && !lines.contains("rows") {
-            "cameras"
-        } else {
-            "landmarks"
-        };
+        let camera = matches!(kind, Kind::Cameras | Kind::Eye) && !lines.contains("rows");
+        let table = if camera { "cameras" } else { "landmarks" };
         let toml = format!("[[{table}]]\nname = \"{name}\"\n{lines}");
         Thing { known: Landmark { name: name.clone(), ..known }, name, toml }
+    };
+    // One thing for each place of a list, under a letter and its number.
+    let each = |letter: &str, lines: Vec<(String, Landmark)>| -> Vec<Thing> {
+        let named = (1..).zip(lines);
+        named.map(|(k, (lines, known))| thing(format!("{letter}{k}"), lines, known)).collect()
     };
     match kind {
         Kind::Sockets => {
@@ -257,108 +218,88 @@ fn of_kind(kind: Kind, size: Size, rng: &mut ChaCha8Rng) -> Vec<Thing> {
                 [-400.0, 500.0, 500.0],
                 [100.0, -600.0, 250.0],
             ];
-            let pair = |(k, at): (usize, [f64; 3])| {
+            let pair = |at: [f64; 3]| {
                 let [x, y, z] = near(at);
                 // 100 mm apart.
-                [[x, y, z], [x + 60.0, y + 80.0, z]].into_iter().enumerate().map(move |(second, at)| {
-                    let name = format!("S{}", 2 * k + second + 1);
-                    (name, format!("rows = 15\nxyz_mm = {at:?}\nsd_um = {}\n", 20.0 * noise))
+                [[x, y, z], [x + 60.0, y + 80.0, z]].map(|at| {
+                    (format!("rows = 15\nxyz_mm = {at:?}\nsd_um = {}\n", 20.0 * noise), Landmark::default())
                 })
             };
-            let all: Vec<_> = places.into_iter().enumerate().flat_map(pair).collect();
-            all.into_iter().map(|(name, lines)| thing(name, lines, Landmark::default())).collect()
+            each("S", places.into_iter().flat_map(pair).collect())
         }
-        Kind::Wires => [[1500.0, 300.0, -300.0], [-900.0, 1200.0, 100.0], [200.0, -1500.0, 1300.0]]
-            .into_iter()
-            .enumerate()
-            .map(|(k, at)| {
+        Kind::Wires => {
+            let places = [[1500.0, 300.0, -300.0], [-900.0, 1200.0, 100.0], [200.0, -1500.0, 1300.0]];
+            let one = |at: [f64; 3]| {
                 let lines = format!("rows = 40\nxyz_mm = {:?}\nsd_um = {}\n", near(at), 40.0 * noise);
-                thing(format!("W{}", k + 1), lines, seen(Distance::default(), None))
-            })
-            .collect(),
-        Kind::Plates => [
-            ([550.0, 100.0, 50.0], [0.0, 0.0, 1.0]),
-            ([750.0, 0.0, 450.0], [-1.0, 0.0, 0.0]),
-            ([100.0, 700.0, 400.0], [0.0, -1.0, 0.0]),
-            ([500.0, -200.0, 600.0], [0.0, 0.0, -1.0]),
-        ]
-        .into_iter()
-        .enumerate()
-        .map(|(k, (at, normal))| {
-            // Known planes, of which two are parallel: three that meet in a corner do not say how long anything is.
-            let at = near(at);
-            let lines = format!("rows = 30\nsize_mm = [500, 500]\nsd_um = {}\n", 30.0 * noise);
-            let plane = Plane {
-                normal: Some(Vector3::from(normal)),
-                point: Some(Vector3::from(at) * 1e-3),
-                known: true,
+                (lines, seen(Distance::default(), None))
             };
-            thing(format!("P{}", k + 1), lines, seen(plane, Some((at, true))))
-        })
-        .collect(),
-        Kind::Balls => [[500.0, 200.0, 200.0], [-300.0, 550.0, 300.0], [100.0, -550.0, 500.0]]
-            .into_iter()
-            .enumerate()
-            .map(|(k, at)| {
+            each("W", places.map(one).into())
+        }
+        Kind::Plates => {
+            // Known planes, of which two are parallel: three that meet in a corner do not say how long anything is.
+            let places = [
+                ([550.0, 100.0, 50.0], [0.0, 0.0, 1.0]),
+                ([750.0, 0.0, 450.0], [-1.0, 0.0, 0.0]),
+                ([100.0, 700.0, 400.0], [0.0, -1.0, 0.0]),
+                ([500.0, -200.0, 600.0], [0.0, 0.0, -1.0]),
+            ];
+            let one = |(at, normal): ([f64; 3], [f64; 3])| {
+                let at = near(at);
+                let lines = format!("rows = 30\nsize_mm = [500, 500]\nsd_um = {}\n", 30.0 * noise);
+                let (normal, point) = (Some(Vector3::from(normal)), Some(Vector3::from(at) * 1e-3));
+                (lines, seen(Plane { normal, point, known: true }, Some((at, true))))
+            };
+            each("P", places.map(one).into())
+        }
+        Kind::Balls => {
+            let places = [[500.0, 200.0, 200.0], [-300.0, 550.0, 300.0], [100.0, -550.0, 500.0]];
+            let one = |at: [f64; 3]| {
+                let (at, sd) = (near(at), 20.0 * noise);
                 let lines = format!(
-                    "rows = 40\nxyz_mm = {:?}\nnormal = [0, 0, 1]\nwithin_deg = 120\nsd_um = {}\n",
-                    near(at),
-                    20.0 * noise
+                    "rows = 40\nxyz_mm = {at:?}\nnormal = [0, 0, 1]\nwithin_deg = 120\nsd_um = {sd}\n"
                 );
-                thing(format!("B{}", k + 1), lines, seen(Sphere::of_radius(0.3), None))
-            })
-            .collect(),
-        Kind::Gauges => [[0.6, 0.8, 0.0], [-0.8, 0.6, 0.0], [0.0, 0.28, 0.96]]
-            .into_iter()
-            .enumerate()
-            .map(|(k, normal)| {
+                (lines, seen(Sphere::of_radius(0.3), None))
+            };
+            each("B", places.map(one).into())
+        }
+        Kind::Gauges => {
+            let one = |normal: [f64; 3]| {
                 let lines = format!("rows = 40\nnormal = {normal:?}\nsd_um = {}\n", 40.0 * noise);
-                thing(format!("G{}", k + 1), lines, seen(Linear::default(), None))
-            })
-            .collect(),
-        Kind::Series => [[900.0, -200.0, 100.0], [-300.0, 800.0, 200.0]]
-            .into_iter()
-            .enumerate()
-            .map(|(k, at)| {
-                let lines = format!(
-                    "rows = 30\nxyz_mm = {:?}\nrpy_deg = [5, 10, {}]\nsd_um = {}\n",
-                    near(at),
-                    100 * k,
-                    60.0 * noise
-                );
-                thing(format!("R{}", k + 1), lines, seen(Relative::default(), None))
-            })
-            .collect(),
+                (lines, seen(Linear::default(), None))
+            };
+            each("G", [[0.6, 0.8, 0.0], [-0.8, 0.6, 0.0], [0.0, 0.28, 0.96]].map(one).into())
+        }
+        Kind::Series => {
+            let one = |(yaw, at): (usize, [f64; 3])| {
+                let (at, sd) = (near(at), 60.0 * noise);
+                let lines = format!("rows = 30\nxyz_mm = {at:?}\nrpy_deg = [5, 10, {yaw}]\nsd_um = {sd}\n");
+                (lines, seen(Relative::default(), None))
+            };
+            each("R", [(0, [900.0, -200.0, 100.0]), (100, [-300.0, 800.0, 200.0])].map(one).into())
+        }
         Kind::Cameras => {
-            [([3000.0, 100.0, 500.0], [-90.0, 0.0, 90.0]), ([0.0, -3000.0, 600.0], [-90.0, 0.0, 0.0])]
-                .into_iter()
-                .enumerate()
-                .map(|(k, (at, rpy))| {
-                    // Both stand at known places, a base line apart.
-                    let [r, p, y] = [rpy[0], rpy[1], rpy[2]].map(f64::to_radians);
-                    let place = Pose::from_xyz_rpy(at.map(|v| 1e-3 * v), [r, p, y]);
-                    let lens = lens([1600.0, 1600.0, 960.0, 600.0], Some(place));
-                    let lines = format!("images = 60\nsd_px = {}\n", 0.05 * noise);
-                    thing(format!("C{}", k + 1), lines, seen(lens, Some((at, true))))
-                })
-                .collect()
+            // Both are at known places, a base line apart.
+            let places =
+                [([3000.0, 100.0, 500.0], [-90.0, 0.0, 90.0f64]), ([0.0, -3000.0, 600.0], [-90.0, 0.0, 0.0])];
+            let one = |(at, rpy): ([f64; 3], [f64; 3])| {
+                let place = Pose::from_xyz_rpy(at.map(|v| 1e-3 * v), rpy.map(f64::to_radians));
+                let lens = lens([1600.0, 1600.0, 960.0, 600.0], Some(place));
+                (format!("images = 60\nsd_px = {}\n", 0.05 * noise), seen(lens, Some((at, true))))
+            };
+            each("C", places.map(one).into())
         }
         Kind::Eye => {
             let at = near([550.0, 150.0, 30.0]);
-            let mut all: Vec<Thing> = (0..12)
-                .map(|k: usize| {
-                    let at = [at[0] + 30.0 * (k % 4) as f64, at[1] + 30.0 * (k / 4) as f64, at[2]];
-                    let position = Some(Vector3::from(at) * 1e-3);
-                    let known = Landmark { position, known: true, ..Landmark::default() };
-                    thing(format!("c{k}"), "rows = 0\n".into(), known)
-                })
-                .collect();
+            let corner = |k: usize| {
+                let at = [at[0] + 30.0 * (k % 4) as f64, at[1] + 30.0 * (k / 4) as f64, at[2]];
+                let position = Some(Vector3::from(at) * 1e-3);
+                let known = Landmark { position, known: true, ..Landmark::default() };
+                thing(format!("c{k}"), "rows = 0\n".into(), known)
+            };
+            let mut all: Vec<Thing> = (0..12).map(corner).collect();
+            let (images, sd) = (size.images, 0.1 * noise);
             let lines = format!(
-                "images = {}\nxyz_mm = {:?}\nrpy_deg = {:?}\ndistance_mm = [250, 500]\nnormal = [0, 0, 1]\nsd_px = {}\n",
-                size.images,
-                EYE_MM,
-                EYE_DEG,
-                0.1 * noise
+                "images = {images}\nxyz_mm = {EYE_MM:?}\nrpy_deg = {EYE_DEG:?}\ndistance_mm = [250, 500]\nnormal = [0, 0, 1]\nsd_px = {sd}\n"
             );
             let known = seen(lens([900.0, 900.0, 640.0, 480.0], None), None);
             all.push(thing("eye".into(), lines, Landmark { mount: Some("tool".into()), ..known }));

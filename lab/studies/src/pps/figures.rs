@@ -1,13 +1,8 @@
 //! The paper's figures 6, 7 and 8 and the payload test, as SVG.
 
 use super::trial::{Experiment, Radii};
-use nalgebra::Vector3;
+use crate::prelude::*;
 use plotters::prelude::*;
-use std::error::Error;
-use std::path::Path;
-use truepose_kinematics::nalgebra;
-
-type Done = Result<(), Box<dyn Error>>;
 
 const SPECIFICATION_MM: f64 = 0.5;
 
@@ -16,7 +11,7 @@ fn mm(v: &Vector3<f64>) -> (f64, f64, f64) {
 }
 
 /// Figure 6: errors in space before and after, with the specification sphere (its three great circles).
-pub fn space(path: &Path, experiment: &Experiment, after: &Radii, model: &str) -> Done {
+pub fn space(path: &Path, experiment: &Experiment, after: &Radii, model: &str) -> Outcome {
     let root = SVGBackend::new(path, (1200, 600)).into_drawing_area();
     root.fill(&WHITE)?;
     let (left, right) = root.split_horizontally(600);
@@ -31,7 +26,7 @@ fn cloud(
     area: &DrawingArea<SVGBackend, plotters::coord::Shift>,
     title: &str,
     errors: &[Vector3<f64>],
-) -> Done {
+) -> Outcome {
     let reach = errors.iter().map(|e| e.amax() * 1e3).fold(SPECIFICATION_MM, f64::max) * 1.1;
     let range = -reach..reach;
     let mut chart = ChartBuilder::on(area).caption(title, ("sans-serif", 18)).margin(15).build_cartesian_3d(
@@ -57,7 +52,7 @@ fn cloud(
 }
 
 /// Figure 7: 270 returns to home, by axis.
-pub fn repeatability(path: &Path, experiment: &Experiment) -> Done {
+pub fn repeatability(path: &Path, experiment: &Experiment) -> Outcome {
     let root = SVGBackend::new(path, (1200, 400)).into_drawing_area();
     root.fill(&WHITE)?;
     let n = experiment.returns.len() as f64;
@@ -88,7 +83,7 @@ pub fn repeatability(path: &Path, experiment: &Experiment) -> Done {
 }
 
 /// Figure 8: residuals at the check configurations by axis, all plants.
-pub fn axes(path: &Path, radii: &[Radii]) -> Done {
+pub fn axes(path: &Path, radii: &[Radii]) -> Outcome {
     let root = SVGBackend::new(path, (900, 400)).into_drawing_area();
     root.fill(&WHITE)?;
     let mut chart = ChartBuilder::on(&root)
@@ -123,7 +118,7 @@ pub fn axes(path: &Path, radii: &[Radii]) -> Done {
 }
 
 /// Displacement of the treatment point against the payload at home.
-pub fn linearity(path: &Path, experiment: &Experiment) -> Done {
+pub fn linearity(path: &Path, experiment: &Experiment) -> Outcome {
     let root = SVGBackend::new(path, (700, 450)).into_drawing_area();
     root.fill(&WHITE)?;
     let most = experiment.loads.iter().map(|p| p.1 * 1e3).fold(1.0, f64::max) * 1.05;

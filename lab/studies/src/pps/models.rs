@@ -1,13 +1,11 @@
 //! What is declared for the paper's robot: constant errors, the paper's polynomial, and physics.
 
+use crate::prelude::*;
 use serde_json::json;
+use truepose_errormodel::ModelError;
 use truepose_errormodel::effects::{
-    BaseCompliance, Basis, Expansion, Factor, Geometric, Guideway, Input, LinkCompliance, Place,
+    BaseCompliance, Basis, Expansion, Factor, Guideway, Input, LinkCompliance, Place,
 };
-use truepose_errormodel::{AnyEffect, EffectRegistry, ModelError};
-use truepose_identify::PriorStrength;
-use truepose_kinematics::{Axis, Chain, FrameId, JointId};
-use truepose_solvers::SolverSpec;
 
 /// Effects, unless one of them does not fit the robot.
 type Declared = Result<Vec<Box<dyn AnyEffect>>, ModelError>;

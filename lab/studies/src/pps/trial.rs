@@ -1,16 +1,10 @@
 //! One plant: its measurements, and what a model identified from them leaves.
 
 use super::models::Strategy;
-use nalgebra::Vector3;
-use rand::SeedableRng;
+use crate::prelude::*;
 use rand::seq::SliceRandom;
-use rand_chacha::ChaCha8Rng;
-use std::error::Error;
-use truepose_compensate::{Compensator, CompensatorOptions, Status, Target};
-use truepose_errormodel::{Dataset, ErrorModel, FittedModel, Predictor, Visits};
-use truepose_identify::{Fit, FitOptions, fit};
-use truepose_kinematics::{Chain, Conditions, TargetId, nalgebra};
-use truepose_simulate::{Campaign, Plant, robots};
+use truepose_errormodel::Predictor;
+use truepose_simulate::robots;
 
 /// A plant and everything that the paper measured on it.
 pub struct Experiment {
@@ -55,7 +49,7 @@ pub struct Radii {
 
 impl Experiment {
     /// Measures a plant of this seed.
-    pub fn new(seed: u64) -> Result<Self, Box<dyn Error>> {
+    pub fn new(seed: u64) -> Outcome<Self> {
         let plant = robots::pps_plant(seed)?;
         let chain = plant.chain().clone();
         let a = plant.measure(&Campaign::paper_set_a(&chain)?, seed)?;
@@ -66,10 +60,8 @@ impl Experiment {
         let (used, checked) = order.split_at(visits.len() / 2);
         let rows: Vec<usize> = used.iter().flat_map(|&v| visits.rows[v].iter().copied()).collect();
         let identification = joined(&b, &a.select(&rows));
-        let check = checked
-            .iter()
-            .map(|&v| check(&plant, &chain, &a, &visits.rows[v]))
-            .collect::<Result<_, Box<dyn Error>>>()?;
+        let check =
+            checked.iter().map(|&v| check(&plant, &chain, &a, &visits.rows[v])).collect::<Outcome<_>>()?;
         let configurations = Visits::of(&identification).len();
         let loads = load_test(&plant, &chain, seed)?;
         let returns = points(&chain, &plant.measure(&Campaign::paper_returns(seed), seed + 3)?)?;
@@ -100,7 +92,7 @@ impl Experiment {
     }
 
     /// Identifies from the measurements.
-    pub fn fit(&self, strategy: &Strategy) -> Result<Fit, Box<dyn Error>> {
+    pub fn fit(&self, strategy: &Strategy) -> Outcome<Fit> {
         let chain = self.plant.chain();
         let model = ErrorModel::new(chain.clone(), (strategy.effects)(chain)?)?;
         let Strategy { prior, refine, second_reduction, rounds: max_iterations, .. } = *strategy;
@@ -109,7 +101,7 @@ impl Experiment {
     }
 
     /// Identifies, and judges at the check configurations.
-    pub fn identify(&self, strategy: &Strategy) -> Result<Radii, Box<dyn Error>> {
+    pub fn identify(&self, strategy: &Strategy) -> Outcome<Radii> {
         let fit = self.fit(strategy)?;
         let mut predictor = fit.fitted.bind(&self.identification.schema)?;
         let (executed, reached) = self.execute(&fit.fitted)?;
@@ -135,7 +127,7 @@ impl Experiment {
 
     /// Sends the plant to where the nominal robot has the couch at each check configuration: the largest distance of the true
     /// treatment point from where it is wanted, m, and at how many of them the command was `ok`.
-    fn execute(&self, fitted: &FittedModel) -> Result<(f64, usize), Box<dyn Error>> {
+    fn execute(&self, fitted: &FittedModel) -> Outcome<(f64, usize)> {
         // The treatment point is no target: the tool is sent so that it comes right, and moves with the tool.
         const ROUNDS: usize = 3;
         let chain = self.plant.chain();
@@ -145,7 +137,7 @@ impl Experiment {
         let (mut largest, mut reached) = (0.0_f64, 0);
         for check in &self.check {
             let tool = chain.forward(&check.conditions.joints);
-            let mut goal = Target::at(tool.translation).turned(tool.rotation);
+            let mut goal = Goal::at(tool.translation).turned(tool.rotation);
             let mut commanded = check.conditions.clone();
             let mut ok = true;
             for _ in 0..ROUNDS {
@@ -164,11 +156,7 @@ impl Experiment {
 }
 
 /// Where a model has the treatment point, m.
-fn predicted(
-    predictor: &mut Predictor<'_>,
-    chain: &Chain,
-    conditions: &Conditions,
-) -> Result<Vector3<f64>, Box<dyn Error>> {
+fn predicted(predictor: &mut Predictor<'_>, chain: &Chain, conditions: &Conditions) -> Outcome<Vector3<f64>> {
     let seen: Vec<Vector3<f64>> = (0..chain.targets().len())
         .map(|t| predictor.predict(conditions, Some(TargetId(t))).translation)
         .collect();
@@ -176,14 +164,14 @@ fn predicted(
 }
 
 /// Where the plant has it, without any noise, m.
-fn true_point(plant: &Plant, chain: &Chain, conditions: &Conditions) -> Result<Vector3<f64>, Box<dyn Error>> {
+fn true_point(plant: &Plant, chain: &Chain, conditions: &Conditions) -> Outcome<Vector3<f64>> {
     let seen = (0..chain.targets().len())
         .map(|t| plant.true_position(conditions, Some(TargetId(t))))
         .collect::<Result<Vec<_>, _>>()?;
     Ok(robots::treatment_point(chain, &seen)?)
 }
 
-fn check(plant: &Plant, chain: &Chain, data: &Dataset, rows: &[usize]) -> Result<Check, Box<dyn Error>> {
+fn check(plant: &Plant, chain: &Chain, data: &Dataset, rows: &[usize]) -> Outcome<Check> {
     let conditions = data.conditions(rows[0]);
     let seen: Vec<Vector3<f64>> = rows.iter().map(|&row| data.measured_position(row)).collect();
     let tool = chain.forward(&conditions.joints);
@@ -197,7 +185,7 @@ fn check(plant: &Plant, chain: &Chain, data: &Dataset, rows: &[usize]) -> Result
 }
 
 /// Measured treatment points of each visit.
-fn points(chain: &Chain, data: &Dataset) -> Result<Vec<Vector3<f64>>, Box<dyn Error>> {
+fn points(chain: &Chain, data: &Dataset) -> Outcome<Vec<Vector3<f64>>> {
     Visits::of(data)
         .rows
         .iter()
@@ -209,7 +197,7 @@ fn points(chain: &Chain, data: &Dataset) -> Result<Vec<Vector3<f64>>, Box<dyn Er
 }
 
 /// Displacement of the treatment point from the empty one, by payload.
-fn load_test(plant: &Plant, chain: &Chain, seed: u64) -> Result<Vec<(f64, f64)>, Box<dyn Error>> {
+fn load_test(plant: &Plant, chain: &Chain, seed: u64) -> Outcome<Vec<(f64, f64)>> {
     let measured = points(chain, &plant.measure(&Campaign::paper_linearity(), seed + 2)?)?;
     Ok(measured.iter().enumerate().map(|(k, p)| (25.0 * k as f64, (p - measured[0]).norm())).collect())
 }
@@ -228,14 +216,12 @@ fn joined(first: &Dataset, second: &Dataset) -> Dataset {
     let mut all = first.clone();
     let offset = Visits::of(first).len();
     all.visit.extend(second.visit.iter().map(|v| v + offset));
-    for (column, more) in all.joints.iter_mut().zip(&second.joints) {
-        column.extend(more);
-    }
-    for (column, more) in all.approach.iter_mut().zip(&second.approach) {
-        column.extend(more);
-    }
-    for (column, more) in all.channels.iter_mut().zip(&second.channels) {
-        column.extend(more);
+    for (columns, more) in [
+        (&mut all.joints, &second.joints),
+        (&mut all.approach, &second.approach),
+        (&mut all.channels, &second.channels),
+    ] {
+        columns.iter_mut().zip(more).for_each(|(column, more)| column.extend(more));
     }
     all.position.extend(&second.position);
     all.orientation.extend(&second.orientation);

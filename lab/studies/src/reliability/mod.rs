@@ -11,6 +11,7 @@
 //! and writes the generated part of `docs/reliability.md` (not with `--short`); `study reliability --one SEED` shows one robot.
 //! With `--half tuning` or `--half locked` it is the study of unseen robots (module `unseen`).
 
+use crate::prelude::*;
 mod plants;
 mod precision;
 mod record;
@@ -21,13 +22,8 @@ use crate::discovery::hidden_effects::HiddenEffect;
 use crate::discovery::record::Record as Discovered;
 use crate::discovery::trial::Task;
 use crate::discovery::work;
-use crate::document;
-use crate::journal::{Journal, line};
-use crate::results::{Kept, finish};
-use crate::{asked, print};
-use clap::Parser;
+use crate::results::publish;
 use record::Record;
-use std::error::Error;
 
 /// Causes with a number that is the model's.
 const FOUND: [HiddenEffect; 8] = [
@@ -64,23 +60,20 @@ struct Asked {
 }
 
 /// Runs the study.
-pub fn run(arguments: &[String]) -> Result<(), Box<dyn Error>> {
+pub fn run(arguments: &[String]) -> Outcome {
     let asked: Asked = asked(arguments)?;
     if let Some(seed) = asked.one {
-        print(line(&trial::run(seed)).trim_end());
+        print_line(&trial::run(seed));
         return Ok(());
     }
     let (folder, commit) = asked.kept.open("reliability")?;
     let mut robots: Journal<Record> = Journal::open(&folder, "robots", &commit)?;
-    for seed in 0..asked.robots {
-        if !robots.records.iter().any(|known| known.seed == seed) {
-            let record = trial::run(seed);
-            if !record.ended() || (seed + 1).is_multiple_of(50) {
-                print(&format!("robot {seed}: {} ({:.1} s)", record.story, record.seconds));
-            }
-            robots.add(record)?;
-        }
-    }
+    let words = |seed: &u64, record: &Record| {
+        let shown = !record.ended() || (seed + 1).is_multiple_of(50);
+        shown.then(|| format!("robot {seed}: {} ({:.1} s)", record.story, record.seconds))
+    };
+    let run = |seed: &u64| Ok(trial::run(*seed));
+    robots.complete(0..asked.robots, |known, seed| known.seed == *seed, run, words)?;
     let mut nulls: Journal<Discovered> = Journal::open(&folder, "nulls", &commit)?;
     let null = |seed| Task { cause: None, multiple: 0.0, seed, without: false };
     work(&mut nulls, (0..asked.nulls).map(null))?;
@@ -98,17 +91,17 @@ pub fn run(arguments: &[String]) -> Result<(), Box<dyn Error>> {
              error.\n",
             asked.robots, asked.nulls, asked.finds
         ),
-        table::declared(&robots.records)?,
-        table::found(&finds.records)?,
-        table::nulls(&robots.records, &nulls.records)?,
+        table::declared(&robots.records),
+        table::found(&finds.records),
+        table::nulls(&robots.records, &nulls.records),
         "Ten ill-conditioned problems against sixty digits (`lab/studies/src/reliability/reference/make.py`); errors are relative, in columns of \
          unit length:\n"
             .to_owned(),
-        precision::table(&precision::all()?)?,
+        precision::table(&precision::all()?),
     ]
     .join("\n");
     if !asked.short {
-        document::write("reliability", &text)?;
+        publish("reliability", &text)?;
     }
     finish("reliability", &folder.join("table.md"), &text)
 }

@@ -1,8 +1,6 @@
 //! One line a robot.
 
-use crate::journal::number;
-use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
+use crate::prelude::*;
 
 /// Of so many intervals, how many hold the truth.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]

@@ -1,20 +1,13 @@
 //! One robot: the statements of the program, compared with the plant.
 
-use super::plants::{Extra, Made, kinds, make};
+use super::plants::{Extra, Made, make};
 use super::record::Record;
+use crate::prelude::*;
 use std::collections::BTreeSet;
-use std::error::Error;
-use std::time::Instant;
-use truepose_compensate::{Compensator, CompensatorOptions, Status, Target, predicted_error};
-use truepose_errormodel::{Dataset, configurations};
-use truepose_identify::{
-    Fit, FitOptions, Folds, Method, NoiseSource, Prior, PriorStrength, Residuals, Split,
-};
-use truepose_identify::{cross_validate, fit, fit_again, refit, repeats};
-use truepose_kinematics::Conditions;
-use truepose_kinematics::nalgebra::Vector3;
+use truepose_compensate::{Target, predicted_error};
+use truepose_errormodel::configurations;
+use truepose_identify::{Folds, Method, Split, cross_validate, fit_again, repeats};
 use truepose_report::{SpecificationSummary, largest_error_by_pose};
-use truepose_solvers::PivotedQr;
 
 /// Configurations at which predictions and commands are compared with the plant.
 const FRESH: usize = 24;
@@ -59,10 +52,10 @@ pub fn run(seed: u64) -> Record {
     record
 }
 
-fn judged(seed: u64, record: &mut Record) -> Result<(), Box<dyn Error>> {
-    let made = make(kinds(), seed)?;
-    record.robot = made.robot.into();
-    record.extra = made.extra.word().into();
+fn judged(seed: u64, record: &mut Record) -> Outcome {
+    let made = make(seed)?;
+    record.robot.clone_from(&made.robot);
+    record.extra = made.extra.word();
     let solver = PivotedQr::default();
     let found = fit(&made.model, &made.data, &solver, &FitOptions::default())?;
     record.visits = made.campaign.visits.len();
@@ -85,30 +78,20 @@ fn judged(seed: u64, record: &mut Record) -> Result<(), Box<dyn Error>> {
 /// Coefficients with which the reduced model is the plant: its fit to what would be seen without noise. A grouped error stands for
 /// others to first order only, and where some of them weigh tenfold (the tool's turn against targets at a hand's breadth) that is not
 /// enough to say what it should be.
-fn noise_free(made: &Made, found: &Fit) -> Result<Vec<f64>, Box<dyn Error>> {
-    let mut plant = made.plant.clone();
-    let instrument = &mut plant.instrument;
-    (instrument.sd, instrument.radial_per_metre, instrument.transverse_per_metre) = (0.0, 0.0, 0.0);
-    instrument.orientation_sd = instrument.orientation_sd.map(|_| 0.0);
-    plant.repeatability.sd = 0.0;
-    let mut data = plant.measure(&made.campaign, 0)?;
+fn truths(made: &Made, found: &Fit) -> Outcome<Vec<f64>> {
+    let mut data = noise_free(&made.plant).measure(&made.campaign, 0)?;
     data.position_sd.clone_from(&made.data.position_sd);
     data.orientation_sd.clone_from(&made.data.orientation_sd);
     data.channels.clone_from(&made.data.channels);
-    let model = found.fitted.model();
-    let noise = NoiseSource::Fixed(found.noise);
-    let options = FitOptions { prior: PriorStrength::None, noise, ..FitOptions::default() };
-    let prior = Prior::new(model, &found.reduction, PriorStrength::None);
-    let quiet = refit(model, &data, &PivotedQr::default(), &options, &found.reduction, &prior)?;
-    Ok(quiet.fitted.coefficients().to_vec())
+    coefficients_of_plant(found.fitted.model(), found, &data, found.noise)
 }
 
 /// Coefficients and shape parameters, whose intervals `identify` and `discover` print.
-fn parameters(made: &Made, found: &Fit, record: &mut Record) -> Result<(), Box<dyn Error>> {
+fn parameters(made: &Made, found: &Fit, record: &mut Record) -> Outcome {
     let model = found.fitted.model();
     let half = found.half_widths();
     let declared = made.model.effects().len();
-    let truths = noise_free(made, found)?;
+    let truths = truths(made, found)?;
     for group in &found.reduction.groups {
         let effect = (0..declared).find(|&k| model.columns_of(k).contains(&group.column));
         // Of a spring or a gap that stands for itself the plant's own number.
@@ -138,14 +121,14 @@ fn parameters(made: &Made, found: &Fit, record: &mut Record) -> Result<(), Box<d
         // What is left open says so, and is no interval.
         if !shape.open() {
             let [lower, upper] = shape.interval;
-            record.count(made.extra.word(), (lower..=upper).contains(&truth));
+            record.count(&made.extra.word(), (lower..=upper).contains(&truth));
         }
     }
     Ok(())
 }
 
 /// Bands of `compensate --report` and `map`, and the covariance of predictions, at configurations that took no part.
-fn bands(made: &Made, found: &Fit, record: &mut Record) -> Result<(), Box<dyn Error>> {
+fn bands(made: &Made, found: &Fit, record: &mut Record) -> Outcome {
     let (fitted, chain) = (&found.fitted, made.model.chain());
     let mut campaign = made.fresh(FRESH, record.seed + 1_000_000)?;
     let step = campaign.visits.len().div_ceil(FRESH);
@@ -199,7 +182,7 @@ fn bands(made: &Made, found: &Fit, record: &mut Record) -> Result<(), Box<dyn Er
 }
 
 /// What `--spec` states of all poses, from cross-validated ones.
-fn tolerances(made: &Made, found: &Fit, record: &mut Record) -> Result<(), Box<dyn Error>> {
+fn tolerances(made: &Made, found: &Fit, record: &mut Record) -> Outcome {
     let folds = Folds::new(&made.data, &Split::Random { folds: 5, seed: 0 })?;
     let held = cross_validate(found, &made.data, &folds, &PivotedQr::default(), Method::Auto)?;
     let limit = 1.3 * found.noise.floor(typical(&made.data));
@@ -216,7 +199,7 @@ fn tolerances(made: &Made, found: &Fit, record: &mut Record) -> Result<(), Box<d
     let all =
         made.plant.measure(&made.fresh(POPULATION, record.seed + 4_000_000)?, record.seed + 5_000_000)?;
     let rows: Vec<usize> = (0..all.len()).collect();
-    let worst = |fit: &Fit| -> Result<Vec<f64>, Box<dyn Error>> {
+    let worst = |fit: &Fit| -> Outcome<Vec<f64>> {
         Ok(largest_error_by_pose(&all, &rows, &Residuals::of(&fit.fitted, &all)?))
     };
     let share =

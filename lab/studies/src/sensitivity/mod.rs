@@ -4,16 +4,12 @@
 //! tables. Robot k has the k-th cause of the power study (in turn) at `M` times the detectable size, and seed k; all policies see the same
 //! robots. Beliefs are those of [`truepose_discover::Policy`]; without `--beliefs` all of them.
 
+use crate::prelude::*;
 mod table;
 
-use crate::discovery::hidden_effects::{HIDDEN_EFFECTS, HiddenEffect};
+use crate::discovery::hidden_effects::HiddenEffect;
 use crate::discovery::record::Record;
 use crate::discovery::trial::Task;
-use crate::journal::Journal;
-use crate::results::{Kept, finish};
-use crate::{asked, print};
-use clap::Parser;
-use std::error::Error;
 use truepose_discover::Policy;
 
 /// What was asked for.
@@ -41,7 +37,7 @@ struct Changed {
 }
 
 /// Runs the study.
-pub fn run(arguments: &[String]) -> Result<(), Box<dyn Error>> {
+pub fn run(arguments: &[String]) -> Outcome {
     let mut asked: Asked = asked(arguments)?;
     if asked.beliefs.is_empty() {
         asked.beliefs = Policy::default().table().into_iter().map(|(belief, _)| belief.to_owned()).collect();
@@ -52,14 +48,15 @@ pub fn run(arguments: &[String]) -> Result<(), Box<dyn Error>> {
     for Changed { belief, factor, policy } in asked.policies()? {
         let part = if belief.is_empty() { "default".into() } else { format!("{belief}_x{factor}") };
         let mut journal: Journal<Record> = Journal::open(&folder, &part, &commit)?;
-        for task in &tasks {
-            let word = task.cause.map_or("none", HiddenEffect::word);
-            if !journal.records.iter().any(|known| known.is(word, task.multiple, task.seed)) {
-                let record = task.run_under(&policy);
-                print(&format!("{part}, {}: {} in {:.1} s", task.words(), record.first, record.seconds));
-                journal.add(record)?;
-            }
-        }
+        let words = |task: &&Task, record: &Record| {
+            Some(format!("{part}, {}: {} in {:.1} s", task.words(), record.first, record.seconds))
+        };
+        journal.complete(
+            &tasks,
+            |known, task| task.is_of(known),
+            |task| Ok(task.run_under(&policy)),
+            words,
+        )?;
         let of_this = |record: &Record| tasks.iter().any(|task| task.is_of(record));
         rows.push(table::Row::of(&part, journal.records.into_iter().filter(of_this).collect()));
     }
@@ -72,7 +69,7 @@ impl Asked {
     /// Robots with one hidden cause each, and nulls.
     fn tasks(&self) -> Vec<Task> {
         let hidden = (0..self.robots).map(|seed| Task {
-            cause: Some(HIDDEN_EFFECTS[seed as usize % HIDDEN_EFFECTS.len()].0),
+            cause: Some(HiddenEffect::all()[seed as usize % HiddenEffect::all().len()]),
             multiple: self.multiple,
             seed,
             without: false,
@@ -82,7 +79,7 @@ impl Asked {
     }
 
     /// The default policy, and each belief times each factor.
-    fn policies(&self) -> Result<Vec<Changed>, Box<dyn Error>> {
+    fn policies(&self) -> Outcome<Vec<Changed>> {
         let default = Policy::default();
         let mut all = vec![Changed { belief: String::new(), factor: 1.0, policy: default.clone() }];
         for belief in &self.beliefs {

@@ -1,7 +1,7 @@
 //! The table of the study: one row a policy.
 
 use crate::discovery::record::Record;
-use std::fmt::{Error, Write as _};
+use crate::prelude::*;
 
 /// What a policy came to.
 pub struct Row {
@@ -43,33 +43,26 @@ impl Row {
 }
 
 /// The table; the first row is the default policy.
-pub fn text(rows: &[Row], robots: u64, nulls: u64, multiple: f64) -> Result<String, Error> {
-    let mut text = String::new();
-    writeln!(
-        text,
-        "{robots} robots with one hidden cause at {multiple} times the detectable size, {nulls} nulls"
-    )?;
-    let head = ["policy", "first right", "found", "extras", "alarms", "differ"];
-    writeln!(
-        text,
-        "{:32} {:>11} {:>8} {:>7} {:>8} {:>7}",
-        head[0], head[1], head[2], head[3], head[4], head[5]
-    )?;
+pub fn text(rows: &[Row], robots: u64, nulls: u64, multiple: f64) -> Outcome<String> {
+    let mut table = Table::columns(&[
+        ("policy", -32),
+        ("first right", 11),
+        ("found", 8),
+        ("extras", 7),
+        ("alarms", 8),
+        ("differ", 7),
+    ]);
     for row in rows {
-        let of = |count: usize, part: usize| format!("{count}/{}", row.ended[part]);
-        writeln!(
-            text,
-            "{:32} {:>11} {:>8} {:>7} {:>8} {:>7}",
-            row.policy,
-            of(row.first_right, 0),
-            of(row.found, 0),
-            row.extras,
-            of(row.alarms, 1),
-            rows.first().map_or(0, |default| row.differing(default)),
-        )?;
+        let of = |count: usize, part: usize| part_of(count, row.ended[part]);
+        let (first, found, alarms) = (of(row.first_right, 0), of(row.found, 0), of(row.alarms, 1));
+        let differing = rows.first().map_or(0, |default| row.differing(default));
+        table.row(&[&row.policy, &first, &found, &row.extras, &alarms, &differing]);
     }
-    writeln!(text, "differ: robots and nulls that end with other findings than under the default policy")?;
-    Ok(text)
+    Ok(format!(
+        "{robots} robots with one hidden cause at {multiple} times the detectable size, {nulls} nulls\n{}\
+         differ: robots and nulls that end with other findings than under the default policy\n",
+        table.text()
+    ))
 }
 
 #[cfg(test)]

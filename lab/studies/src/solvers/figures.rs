@@ -1,10 +1,8 @@
 //! Figures of the study: error against condition, noise, outliers and rows, one line a strategy.
 
 use super::record::Record;
-use super::summary::median;
+use crate::prelude::*;
 use plotters::prelude::*;
-use std::error::Error;
-use std::path::Path;
 
 /// A number of a record.
 type Of = fn(&Record) -> f64;
@@ -17,52 +15,42 @@ struct Figure {
     up: (&'static str, Of),
 }
 
+const fn figure(
+    file: &'static str,
+    sweep: &'static str,
+    across: (&'static str, Of),
+    up: (&'static str, Of),
+) -> Figure {
+    Figure { file, sweep, across, up }
+}
+
+const HELD_OUT: (&str, Of) = ("held-out error / oracle", Record::ratio);
+const PARAMETERS: (&str, Of) = ("parameter error in expected sizes", |r| r.parameters);
+const SECONDS: (&str, Of) = ("time of one solve, s", |r| r.seconds);
+const CONDITION: (&str, Of) = ("condition number", |r| r.condition);
+const ROWS: (&str, Of) = ("rows", |r| r.rows);
+
 const FIGURES: [Figure; 6] = [
-    Figure {
-        file: "condition_held_out.svg",
-        sweep: "condition",
-        across: ("condition number", |r| r.condition),
-        up: ("held-out error / oracle", Record::ratio),
-    },
-    Figure {
-        file: "condition_parameters.svg",
-        sweep: "condition",
-        across: ("condition number", |r| r.condition),
-        up: ("parameter error in expected sizes", |r| r.parameters),
-    },
-    Figure {
-        file: "noise_parameters.svg",
-        sweep: "noise",
-        across: ("noise / signal", |r| r.noise),
-        up: ("parameter error in expected sizes", |r| r.parameters),
-    },
-    Figure {
-        file: "outliers_held_out.svg",
-        sweep: "outliers",
-        across: ("share of wrong visits, % + 1", |r| 100.0 * r.outliers + 1.0),
-        up: ("held-out error / oracle", Record::ratio),
-    },
-    Figure {
-        file: "rows_held_out.svg",
-        sweep: "rows",
-        across: ("rows", |r| r.rows),
-        up: ("held-out error / oracle", Record::ratio),
-    },
-    Figure {
-        file: "rows_time.svg",
-        sweep: "rows",
-        across: ("rows", |r| r.rows),
-        up: ("time of one solve, s", |r| r.seconds),
-    },
+    figure("condition_held_out.svg", "condition", CONDITION, HELD_OUT),
+    figure("condition_parameters.svg", "condition", CONDITION, PARAMETERS),
+    figure("noise_parameters.svg", "noise", ("noise / signal", |r| r.noise), PARAMETERS),
+    figure(
+        "outliers_held_out.svg",
+        "outliers",
+        ("share of wrong visits, % + 1", |r| 100.0 * r.outliers + 1.0),
+        HELD_OUT,
+    ),
+    figure("rows_held_out.svg", "rows", ROWS, HELD_OUT),
+    figure("rows_time.svg", "rows", ROWS, SECONDS),
 ];
 
 /// Draws all of them.
-pub fn draw(folder: &Path, records: &[Record]) -> Result<(), Box<dyn Error>> {
+pub fn draw(folder: &Path, records: &[Record]) -> Outcome {
     FIGURES.iter().try_for_each(|figure| figure.draw(folder, records))
 }
 
 impl Figure {
-    fn draw(&self, folder: &Path, records: &[Record]) -> Result<(), Box<dyn Error>> {
+    fn draw(&self, folder: &Path, records: &[Record]) -> Outcome {
         let lines = self.lines(records);
         let points = || lines.iter().flat_map(|line| &line.1);
         let ends = |of: fn(&(f64, f64)) -> f64| {
@@ -107,7 +95,7 @@ impl Figure {
         places.dedup_by(|a, b| a.total_cmp(b).is_eq());
         let point = |solver: &str, at: f64| {
             let here = mine.iter().filter(|r| r.solver == solver && self.across.1(r).total_cmp(&at).is_eq());
-            let value = median(here.map(|r| self.up.1(r)).filter(|v| v.is_finite()).collect());
+            let value = quantile(here.map(|r| self.up.1(r)), 0.5);
             (value > 0.0).then_some((at, value))
         };
         solvers

@@ -12,8 +12,9 @@
 //!
 //! Shares nothing with the solvers' own checks.
 
-use nalgebra::{DMatrix, DVector};
-use truepose_solvers::{Bounds, Solution, nalgebra};
+use super::family::{Problem, Rows};
+use crate::prelude::*;
+use truepose_solvers::Solution;
 
 /// Which conditions hold.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -33,15 +34,8 @@ pub enum Conditions {
 }
 
 /// Largest violation, relative; none when the conditions are not known or there is no answer.
-pub fn violation(
-    conditions: Conditions,
-    a: &DMatrix<f64>,
-    y: &DVector<f64>,
-    scale: &[f64],
-    groups: &[usize],
-    bounds: &Bounds,
-    solution: &Solution,
-) -> Option<f64> {
+pub fn violation(conditions: Conditions, rows: &Rows, whole: &Problem, solution: &Solution) -> Option<f64> {
+    let (Rows { a, y, .. }, Problem { scale, groups, bounds, .. }) = (rows, whole);
     let x = solution.answer()?;
     let root = |i: usize| solution.info.row_weights.as_ref().map_or(1.0, |w| w[i].sqrt());
     let weighted = DMatrix::from_fn(a.nrows(), a.ncols(), |i, j| root(i) * a[(i, j)] * scale[j]);
@@ -87,8 +81,7 @@ pub fn violation(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::solvers::family::{Problem, Recipe};
-    use truepose_solvers::SolverSpec;
+    use crate::solvers::family::Recipe;
 
     #[test]
     fn an_answer_that_is_moved_is_no_optimum() {
@@ -105,10 +98,7 @@ mod tests {
         ] {
             let solver = name.parse::<SolverSpec>().unwrap().build();
             let mut solution = solver.solve(&rows.problem(&whole, name.starts_with("bounded"))).unwrap();
-            let at = |s: &Solution| {
-                violation(conditions, &rows.a, &rows.y, &whole.scale, &whole.groups, &whole.bounds, s)
-                    .unwrap()
-            };
+            let at = |s: &Solution| violation(conditions, &rows, &whole, s).unwrap();
             assert!(at(&solution) < 1e-7, "{name}: {}", at(&solution));
             let j = solution.x.iamax();
             solution.x[j] *= 0.999;

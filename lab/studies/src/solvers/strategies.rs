@@ -1,7 +1,7 @@
 //! Every strategy that is compared.
 
 use super::optimality::Conditions;
-use truepose_solvers::{Solver, SolverSpec};
+use crate::prelude::*;
 
 /// A solver, as it is typed, with what its answer has to satisfy.
 pub struct Strategy {

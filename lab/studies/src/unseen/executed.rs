@@ -3,21 +3,13 @@
 use super::plant::Made;
 use super::record::Record;
 use super::reported::Reported;
-use std::error::Error;
-use truepose_compensate::{Compensator, CompensatorOptions, Status, Target};
-use truepose_errormodel::FittedModel;
-use truepose_kinematics::nalgebra::Vector3;
+use crate::prelude::*;
 
 /// How many of the largest causes have to be named.
 const LARGEST: usize = 2;
 
 /// Fills the record's columns.
-pub fn judge(
-    made: &Made,
-    reported: &Reported,
-    fitted: &FittedModel,
-    record: &mut Record,
-) -> Result<(), Box<dyn Error>> {
+pub fn judge(made: &Made, reported: &Reported, fitted: &FittedModel, record: &mut Record) -> Outcome {
     let causes: Vec<_> = reported.effects.iter().filter(|effect| effect.is_cause()).collect();
     let named = |piece: &super::pieces::Piece| {
         causes.iter().any(|effect| piece.is_named(&effect.name.family, effect.name.joint.as_deref()))
@@ -42,7 +34,7 @@ pub fn judge(
 
 /// 3-D RMS distance of the true robot, without noise, from where the nominal one would be at fresh configurations, m: commanded so, and
 /// by the model; and how many commands the model refuses.
-fn executed(made: &Made, fitted: &FittedModel) -> Result<(f64, f64, usize), Box<dyn Error>> {
+fn executed(made: &Made, fitted: &FittedModel) -> Outcome<(f64, f64, usize)> {
     let chain = fitted.chain();
     let data = made.truth.derived_for(fitted.model())?;
     let mut compensator = Compensator::bind(fitted, &data.schema, CompensatorOptions::default())?;
@@ -50,26 +42,23 @@ fn executed(made: &Made, fitted: &FittedModel) -> Result<(f64, f64, usize), Box<
     let (mut rows, mut wanted) = (Vec::new(), Vec::new());
     for row in 0..data.len() {
         let visit = data.visit[row];
-        if rows.last().is_some_and(|&(last, _)| last == visit) {
+        if rows.last().is_some_and(|&last: &usize| data.visit[last] == visit) {
             continue;
         }
-        let (conditions, target) = (data.conditions(row), data.target[row]);
-        let pose = chain.forward(&conditions.joints);
-        let position = pose.apply(&target.map_or(Vector3::zeros(), |t| chain.targets()[t.0].position));
-        let goal = Target::at(position).of(target).turned(pose.rotation);
+        let conditions = data.conditions(row);
+        let (position, goal) = nominal_goal(chain, &conditions, data.target[row]);
         let command = compensator.command(&goal, &conditions, Some(&conditions.joints));
         if command.status == Status::Ok {
             fresh.visits[visit].joints = command.joints.to_vec();
-            rows.push((visit, row));
+            rows.push(row);
             wanted.push(position);
         }
     }
     let refused = fresh.visits.len() - rows.len();
     let seen = made.quiet.observe(&fresh, made.fresh_seed)?;
-    let of = |data: &dyn Fn(usize) -> Vector3<f64>| {
-        let sum: f64 =
-            rows.iter().zip(&wanted).map(|((_, row), wanted)| (data(*row) - wanted).norm_squared()).sum();
-        (sum / rows.len().max(1) as f64).sqrt()
+    let of = |at: &dyn Fn(usize) -> Vector3<f64>| {
+        let square = |(&row, wanted): (&usize, &Vector3<f64>)| (at(row) - wanted).norm_squared();
+        (rows.iter().zip(&wanted).map(square).sum::<f64>() / rows.len().max(1) as f64).sqrt()
     };
     let before = of(&|row| made.truth.measured_position(row));
     Ok((before, of(&|row| seen.true_positions[row]), refused))

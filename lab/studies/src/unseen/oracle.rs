@@ -3,12 +3,12 @@
 
 use super::cause::Cause;
 use super::hidden::Hidden;
+use crate::prelude::*;
+use truepose_errormodel::History;
 use truepose_errormodel::effects::{
-    Backlash, Coupling, Drift, Grows, Guideway, Instrument, InstrumentMode, JointCompliance, LinkCompliance,
-    Shift, Side, Spot, Thermal,
+    Backlash, Coupling, Drift, Grows, Guideway, Instrument, InstrumentMode, LinkCompliance, Shift, Side,
+    Spot, Thermal,
 };
-use truepose_errormodel::{AnyEffect, History};
-use truepose_kinematics::{Chain, FrameId, JointId};
 
 impl Hidden {
     /// The right effects; none of a cause that is no row of the vocabulary, and of a payload, which is no effect.

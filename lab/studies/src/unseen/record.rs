@@ -1,9 +1,8 @@
 //! One line a robot: what it was, what was reported, what is true. A cell that is missing is not reported, or does not apply.
 
 use super::description::Kind;
-use super::stream::{Half, Key};
-use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
+use super::stream::Key;
+use crate::prelude::*;
 
 /// One robot.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
