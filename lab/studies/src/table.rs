@@ -7,23 +7,24 @@ pub struct Table {
     /// Width of each column, negative where it begins at the left; none is Markdown.
     widths: Option<Vec<i32>>,
     text: String,
-    rows: usize,
 }
 
 impl Table {
     /// In Markdown, with these heads.
     pub fn markdown(heads: &[&str]) -> Self {
-        let mut table = Table { widths: None, text: String::new(), rows: 0 };
+        let mut table = Table { widths: None, text: String::new() };
         table.line(heads);
         table.line(&vec!["---"; heads.len()]);
         table
     }
 
-    /// With these heads and widths; a column with a negative width begins at the left.
-    pub fn columns(heads: &[(&str, i32)]) -> Self {
-        let widths = heads.iter().map(|(_, width)| *width).collect();
-        let mut table = Table { widths: Some(widths), text: String::new(), rows: 0 };
-        table.line(&heads.iter().map(|(head, _)| *head).collect::<Vec<_>>());
+    /// With heads and widths, `robot -8|plant 6`; a column with a negative width begins at the left.
+    pub fn columns(layout: &str) -> Self {
+        let columns = layout.split('|').map(|column| column.rsplit_once(' ').unwrap_or((column, "0")));
+        let (heads, widths): (Vec<&str>, Vec<&str>) = columns.unzip();
+        let widths = widths.iter().map(|width| width.parse().unwrap_or(0)).collect();
+        let mut table = Table { widths: Some(widths), text: String::new() };
+        table.line(&heads);
         table
     }
 
@@ -43,7 +44,6 @@ impl Table {
     /// Adds a row.
     pub fn row(&mut self, cells: &[&dyn Display]) {
         self.line(cells);
-        self.rows += 1;
     }
 
     /// The last line.
@@ -54,11 +54,6 @@ impl Table {
     /// The text.
     pub fn text(self) -> String {
         self.text
-    }
-
-    /// The text; nothing where there are no rows.
-    pub fn text_of_rows(self) -> String {
-        if self.rows > 0 { self.text } else { String::new() }
     }
 }
 

@@ -37,30 +37,12 @@ struct Options {
 pub fn run(arguments: &[String]) -> Outcome {
     let Options { only, visits, driven } = asked(arguments)?;
     let folder = folder("closed-loop")?;
-    let mut executions = Table::columns(&[
-        ("robot", -8),
-        ("plant", 6),
-        ("ok", 9),
-        ("before mm", 10),
-        ("after µm", 9),
-        ("max µm", 9),
-        ("repeat µm", 8),
-        ("× before", 8),
-        ("× after", 8),
-        ("in band", 8),
-    ]);
-    let mut trips = Table::columns(&[
-        ("robot", -8),
-        ("asked", 10),
-        ("ok", 7),
-        ("limit", 8),
-        ("unreachable", 12),
-        ("not conv.", 8),
-        ("beyond limits", 14),
-        ("m", 9),
-        ("rad", 9),
-        ("µs each", 8),
-    ]);
+    let mut executions = Table::columns(
+        "robot -8|plant 6|ok 9|before mm 10|after µm 9|max µm 9|repeat µm 8|× before 8|× after 8|in band 8",
+    );
+    let mut trips = Table::columns(
+        "robot -8|asked 10|ok 7|limit 8|unreachable 12|not conv. 8|beyond limits 14|m 9|rad 9|µs each 8",
+    );
     let mut execution_csv = String::from(
         "robot,plant,visits,ok,before_mm,after_mm,after_max_mm,repeatability_mm,ratio_before,ratio,rows,in_band\n",
     );

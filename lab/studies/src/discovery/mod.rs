@@ -11,13 +11,11 @@
 //! yet in its tables, one line a robot; `study discovery --one CAUSE SEED MULTIPLE [--without]` shows one whole diagnosis (cause `none`: a null).
 
 use crate::prelude::*;
-mod coverage;
 mod figures;
 pub mod hidden_effects;
 mod plants;
 pub mod record;
 pub mod robots;
-mod several;
 pub mod summary;
 pub mod trial;
 
@@ -104,9 +102,9 @@ pub fn run(arguments: &[String]) -> Outcome {
 
     let mut journal: Journal<Record> = Journal::open(&folder, "several", &commit)?;
     if wanted("several") {
-        several::work(&mut journal, SEVERAL * asked.robots)?;
+        trial::work_several(&mut journal, SEVERAL * asked.robots)?;
     }
-    text += &format!("\n{}", several::summary(&journal.records)?);
+    text += &format!("\n{}", trial::summary_of_several(&journal.records)?);
 
     let mut journal: Journal<Record> = Journal::open(&folder, "without", &commit)?;
     if wanted("without") {

@@ -40,19 +40,22 @@ pub struct Made {
 }
 
 /// Causes of which several may be hidden in one plant: all that the declared model is the same for.
-const TOGETHER: [HiddenEffect; 11] = [
-    HiddenEffect::LinkCompliance,
-    HiddenEffect::BaseCompliance,
-    HiddenEffect::LoadNonlinearity,
-    HiddenEffect::Eccentric,
-    HiddenEffect::Mesh,
-    HiddenEffect::BacklashApproach,
-    HiddenEffect::Coupling,
-    HiddenEffect::Guideway,
-    HiddenEffect::Thermal,
-    HiddenEffect::Drift,
-    HiddenEffect::Shift,
-];
+const TOGETHER: [HiddenEffect; 11] = {
+    use HiddenEffect::*;
+    [
+        LinkCompliance,
+        BaseCompliance,
+        LoadNonlinearity,
+        Eccentric,
+        Mesh,
+        BacklashApproach,
+        Coupling,
+        Guideway,
+        Thermal,
+        Drift,
+        Shift,
+    ]
+};
 
 /// Everything of a plant but the size of what is hidden.
 struct Ground<'a> {

@@ -30,15 +30,7 @@ pub fn nulls(records: &[Record]) -> Outcome<String> {
     let alarm = |r: &Record| r.findings > 0 || r.significant;
     let failed = records.len() - ended.len();
     let mut text = format!("Robots with nothing hidden: {} ({failed} ended in an error)\n", records.len());
-    let mut table = Table::columns(&[
-        ("robot", -8),
-        ("count", 6),
-        ("alarms", 7),
-        ("outliers", 9),
-        ("λ, largest", 12),
-        ("cpu s", 10),
-        ("most", 8),
-    ]);
+    let mut table = Table::columns("robot -8|count 6|alarms 7|outliers 9|λ, largest 12|cpu s 10|most 8");
     let mut kinds: Vec<(&str, bool)> = ended.iter().map(|r| (r.robot.as_str(), r.heavy)).collect();
     kinds.sort_unstable();
     kinds.dedup();
@@ -69,11 +61,9 @@ pub fn nulls(records: &[Record]) -> Outcome<String> {
 
 /// Power by cause and multiple.
 pub fn power(records: &[Record], multiples: &[f64]) -> Outcome<String> {
-    let multiples_text: Vec<String> = multiples.iter().map(f64::to_string).collect();
-    let mut heads = vec![("hidden", -18)];
-    heads.extend(multiples_text.iter().map(|multiple| (multiple.as_str(), 9)));
-    heads.extend([("first name", 10), ("listed", 8), ("extras", 9), ("ratio", 9), ("worst", 8)]);
-    let mut table = Table::columns(&heads);
+    let heads: String = multiples.iter().map(|multiple| format!("{multiple} 9|")).collect();
+    let mut table =
+        Table::columns(&format!("hidden -18|{heads}first name 10|listed 8|extras 9|ratio 9|worst 8"));
     for (word, mine) in by_cause(records, Record::ended) {
         let mut cells = vec![word];
         for &m in multiples {
@@ -133,8 +123,7 @@ pub fn confusion_text(records: &[Record]) -> Outcome<String> {
 pub fn coverage(records: &[Record]) -> Outcome<String> {
     let head =
         "95 % intervals that hold the truth (below 4 times the detectable size, selection biases them)\n";
-    let mut table =
-        Table::columns(&[("hidden", -18), ("4 and more", 12), ("below", 12), ("without width", 14)]);
+    let mut table = Table::columns("hidden -18|4 and more 12|below 12|without width 14");
     let mut all = Fraction::of([]);
     for (word, mine) in by_cause(records, |r| !r.intervals.is_empty()) {
         let at = |large: bool| -> Vec<&Interval> {

@@ -55,7 +55,7 @@ pub fn run(arguments: &[String]) -> Outcome {
                 (sum.above + one.above, sum.below + one.below, sum.all + one.all);
         }
     }
-    let mut table = Table::columns(&[("figure", -28), ("conform", 9), ("not conform", 12), ("figures", 9)]);
+    let mut table = Table::columns("figure -28|conform 9|not conform 12|figures 9");
     for Held { name, above, below, all } in total {
         let share = |hits: usize| format!("{:.2} %", Fraction { hits, of: all }.percent());
         table.row(&[&name, &share(above), &share(below), &all]);

@@ -37,21 +37,13 @@ pub enum Hidden {
 }
 
 /// In turn; a robot in six hides nothing.
-pub const HIDDEN: [Hidden; 13] = [
-    Hidden::Nothing,
-    Hidden::Gear,
-    Hidden::Compliance,
-    Hidden::Nonsense,
-    Hidden::Backlash,
-    Hidden::Nothing,
-    Hidden::Thermal,
-    Hidden::Hysteresis,
-    Hidden::Several,
-    Hidden::Drift,
-    Hidden::Wander,
-    Hidden::Payload,
-    Hidden::Mesh,
-];
+pub const HIDDEN: [Hidden; 13] = {
+    use Hidden::*;
+    [
+        Nothing, Gear, Compliance, Nonsense, Backlash, Nothing, Thermal, Hysteresis, Several, Drift, Wander,
+        Payload, Mesh,
+    ]
+};
 
 impl Hidden {
     /// Whether it takes different payloads to be seen.

@@ -27,19 +27,10 @@ pub enum Spoil {
 }
 
 /// In turn: three in eleven are as they should be.
-pub const SPOILS: [Spoil; 11] = [
-    Spoil::Nothing,
-    Spoil::WrongRows,
-    Spoil::Flicker,
-    Spoil::Leverage,
-    Spoil::Nothing,
-    Spoil::Swapped,
-    Spoil::Zeros,
-    Spoil::PoseOff,
-    Spoil::Nothing,
-    Spoil::FewRows,
-    Spoil::FlickerWrong,
-];
+pub const SPOILS: [Spoil; 11] = {
+    use Spoil::*;
+    [Nothing, WrongRows, Flicker, Leverage, Nothing, Swapped, Zeros, PoseOff, Nothing, FewRows, FlickerWrong]
+};
 
 impl Spoil {
     /// How many targets it takes.

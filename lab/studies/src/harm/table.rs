@@ -116,16 +116,8 @@ pub fn harm(records: &[Record]) -> Outcome<String> {
 }
 
 fn verbs(records: &[&Record]) -> String {
-    let mut table = Table::columns(&[
-        ("verb", -22),
-        ("results", 7),
-        ("harm", 5),
-        ("× nominal", 10),
-        ("× const.", 10),
-        ("worst", 9),
-        ("number", 9),
-        ("mm", 8),
-    ]);
+    let mut table =
+        Table::columns("verb -22|results 7|harm 5|× nominal 10|× const. 10|worst 9|number 9|mm 8");
     for verb in &VERBS {
         let mine: Vec<Judged<'_>> = records.iter().filter_map(|r| judged(verb, r)).collect();
         let Some(worst) = mine.iter().max_by(|a, b| a.ratio().total_cmp(&b.ratio())) else { continue };

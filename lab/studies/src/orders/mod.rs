@@ -30,15 +30,7 @@ struct Shown {
 /// Runs the study.
 pub fn run(_: &[String]) -> Outcome {
     let folder = folder("orders")?;
-    let mut table = Table::columns(&[
-        ("robot", -8),
-        ("prior", -9),
-        ("order", -13),
-        ("columns", 8),
-        ("rank", 6),
-        ("error", 18),
-        ("ms", 7),
-    ]);
+    let mut table = Table::columns("robot -8|prior -9|order -13|columns 8|rank 6|error 18|ms 7");
     print(&format!("{PLANTS} plants each; error: median [worst], µm\n{}", table.last()));
     let seeds = || (0..PLANTS).into_par_iter();
     let experiments = seeds().map(|seed| Experiment::new(100 + seed)).collect::<Outcome<Vec<_>>>()?;

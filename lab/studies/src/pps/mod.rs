@@ -14,15 +14,14 @@
 
 use crate::prelude::*;
 mod figures;
-mod models;
 mod trial;
 
-pub use models::{Strategy, polynomial, reduced_first};
 pub use trial::Experiment;
+pub use trial::{Strategy, polynomial, reduced_first};
 
 use crate::clock::{least, least_on_the_wall};
-use models::strategies;
 use trial::Radii;
+use trial::strategies;
 
 /// How many plants, and at how many of them the identification is timed.
 const PLANTS: u64 = 20;
@@ -58,17 +57,9 @@ pub fn run(arguments: &[String]) -> Outcome {
     ] {
         writeln!(text, "{words:48} {here:>16}   {paper}")?;
     }
-    let mut table = Table::columns(&[
-        ("model and solver", -48),
-        ("rank", 6),
-        ("measured", 16),
-        ("/ noise only", 12),
-        ("noise-free", 16),
-        ("executed", 16),
-        ("rounds", 6),
-        ("ms", 6),
-        ("wall", 6),
-    ]);
+    let mut table = Table::columns(
+        "model and solver -48|rank 6|measured 16|/ noise only 12|noise-free 16|executed 16|rounds 6|ms 6|wall 6",
+    );
     print(&format!("{text}\n{}", table.last()));
     let mut best: Option<(f64, Vec<Radii>, String)> = None;
     for strategy in strategies().into_iter().filter(|s| s.name.contains(&only)) {

@@ -14,7 +14,6 @@
 use crate::prelude::*;
 mod plants;
 mod precision;
-mod record;
 mod table;
 mod trial;
 
@@ -23,19 +22,13 @@ use crate::discovery::record::Record as Discovered;
 use crate::discovery::trial::Task;
 use crate::discovery::work;
 use crate::results::publish;
-use record::Record;
+use trial::Record;
 
 /// Causes with a number that is the model's.
-const FOUND: [HiddenEffect; 8] = [
-    HiddenEffect::Mesh,
-    HiddenEffect::Shift,
-    HiddenEffect::ThermalLate,
-    HiddenEffect::Thermal,
-    HiddenEffect::BacklashApproach,
-    HiddenEffect::JointCompliance,
-    HiddenEffect::Coupling,
-    HiddenEffect::Payload,
-];
+const FOUND: [HiddenEffect; 8] = {
+    use HiddenEffect::*;
+    [Mesh, Shift, ThermalLate, Thermal, BacklashApproach, JointCompliance, Coupling, Payload]
+};
 
 /// Multiples of the detectable size at which finds are judged: selection biases smaller ones.
 const CLEAR: [f64; 2] = [4.0, 8.0];

@@ -37,18 +37,10 @@ pub enum Extra {
 const LARGEST: f64 = 2e-3;
 
 /// In turn; a third has nothing more.
-const TURN: [Extra; 10] = [
-    Extra::None,
-    Extra::Gap,
-    Extra::Ratio,
-    Extra::None,
-    Extra::Period,
-    Extra::Instant,
-    Extra::None,
-    Extra::Lag,
-    Extra::Settling,
-    Extra::Flank,
-];
+const TURN: [Extra; 10] = {
+    use Extra::*;
+    [None, Gap, Ratio, None, Period, Instant, None, Lag, Settling, Flank]
+};
 
 impl Extra {
     /// Whether it leaves constant errors as they are: a mesh has a mean, a ratio a middle.

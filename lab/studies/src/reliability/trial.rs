@@ -1,7 +1,8 @@
 //! One robot: the statements of the program, compared with the plant.
+//!
+//! One line a robot.
 
 use super::plants::{Extra, Made, make};
-use super::record::Record;
 use crate::prelude::*;
 use std::collections::BTreeSet;
 use truepose_compensate::{Target, predicted_error};
@@ -228,4 +229,46 @@ fn typical(data: &Dataset) -> f64 {
     let mut stated: Vec<f64> = data.position_sd.iter().flatten().copied().filter(|v| !v.is_nan()).collect();
     stated.sort_by(f64::total_cmp);
     stated.get(stated.len() / 2).copied().unwrap_or(f64::NAN)
+}
+
+/// Of so many intervals, how many hold the truth.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub struct Count {
+    pub held: usize,
+    pub of: usize,
+}
+
+/// What became of one robot.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct Record {
+    pub seed: u64,
+    pub robot: String,
+    pub extra: String,
+    pub visits: usize,
+    /// Width of the prior that the data chose.
+    #[serde(with = "number")]
+    pub kappa: f64,
+    /// p of the lack-of-fit test; NaN without one.
+    #[serde(with = "number")]
+    pub lack_of_fit: f64,
+    pub seconds: f64,
+    /// By statement.
+    pub counts: BTreeMap<String, Count>,
+    /// [`Record::ENDED`] with the shape that was found and its truth, or why not.
+    pub story: String,
+}
+
+impl Record {
+    pub const ENDED: &str = "ended";
+
+    pub fn ended(&self) -> bool {
+        self.story.starts_with(Record::ENDED)
+    }
+
+    /// One more interval.
+    pub fn count(&mut self, what: &str, held: bool) {
+        let count = self.counts.entry(what.to_owned()).or_default();
+        count.of += 1;
+        count.held += usize::from(held);
+    }
 }

@@ -28,15 +28,8 @@ struct Watched {
 /// The table.
 pub fn table(asked: &Asked) -> Outcome<String> {
     let all = asked.each(|number| one(number, asked.locked))?;
-    let head = "unchanged robots, 50 looks each";
-    let mut table = Table::columns(&[
-        (head, -66),
-        ("robots", 6),
-        (" ever", 5),
-        (" first look", 11),
-        (" p0<0.5", 7),
-        (" p0<0.05", 8),
-    ]);
+    let layout = "unchanged robots, 50 looks each -66|robots 6|ever 5|first look 11|p0<0.5 7|p0<0.05 8";
+    let mut table = Table::columns(layout);
     for (kind, word) in KINDS.iter().enumerate() {
         let of: Vec<&Watched> = all.iter().filter(|watched| watched.kind == kind).collect();
         let count = |is: &dyn Fn(&Watched) -> bool| of.iter().filter(|w| is(w)).count();

@@ -8,7 +8,6 @@ mod figures;
 mod optimality;
 mod record;
 mod robots;
-mod strategies;
 mod summary;
 mod trial;
 
@@ -38,7 +37,7 @@ impl Task {
 /// Runs the study.
 pub fn run(_: &[String]) -> Outcome {
     let folder = folder("solvers")?;
-    let strategies = strategies::strategies()?;
+    let strategies = optimality::strategies()?;
     let mut journal: Journal<Solved> = Journal::open_at(&folder, "partial", &fingerprint()?)?;
     let tasks = tasks();
     let run = |task: &&Task| {

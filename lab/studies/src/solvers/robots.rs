@@ -2,8 +2,8 @@
 //!
 //! The folds are of configurations; errors are evaluated at rows without outliers, against an oracle that excludes the outliers.
 
+use super::optimality::Strategy;
 use super::record::Record;
-use super::strategies::Strategy;
 use crate::prelude::*;
 use truepose_identify::{Folds, Split};
 use truepose_simulate::{SimulateError, robots};

@@ -1,7 +1,7 @@
 //! What the records come to: a table, and which strategy to take when, by the numbers.
 
+use super::optimality::Strategy;
 use super::record::Record;
-use super::strategies::Strategy;
 use crate::prelude::*;
 
 /// Problems that a user would recognise as one's own.
@@ -76,17 +76,9 @@ fn short(value: f64) -> String {
 }
 
 fn cost(text: &mut String, records: &[Record], strategies: &[Strategy]) -> Outcome {
-    let mut table = Table::columns(&[
-        ("one solve", -18),
-        ("ms", 9),
-        ("ms", 9),
-        ("kB", 10),
-        ("kB", 10),
-        ("iterations", 11),
-        ("rank", 11),
-        ("worst KKT", 10),
-        (" not converged", -1),
-    ]);
+    let mut table = Table::columns(
+        "one solve -18|ms 9|ms 9|kB 10|kB 10|iterations 11|rank 11|worst KKT 10| not converged -1",
+    );
     table.row(&[&"", &"600 rows", &"20000", &"600 rows", &"20000", &"median", &"least–most"]);
     for strategy in strategies {
         let mine = || records.iter().filter(|r| r.solver == strategy.name && r.condition.is_finite());

@@ -1,9 +1,9 @@
 //! One problem of the generated family under every strategy: one solve timed and weighed alone, then the folds in parallel.
 
 use super::family::{Problem, Recipe, UNKNOWNS};
+use super::optimality::Strategy;
 use super::optimality::violation;
 use super::record::Record;
-use super::strategies::Strategy;
 use crate::prelude::*;
 use rand::seq::SliceRandom;
 use truepose_solvers::{Need, Solution, SolveError};
@@ -140,7 +140,7 @@ fn folds(problem: &Problem, seed: u64) -> Vec<Vec<usize>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::solvers::strategies::strategies;
+    use crate::solvers::optimality::strategies;
 
     #[test]
     fn robust_fits_come_near_the_oracle_and_plain_squares_do_not() {

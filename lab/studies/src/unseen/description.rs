@@ -18,8 +18,8 @@
 //!
 //! Robots of one number have the same geometry, noise and cause in all cells of a kind: cells are compared in pairs.
 
+use super::amend;
 use super::cause::Cause;
-use super::pieces;
 use super::robots::{MAKES, Make};
 use super::stream::{Key, Part};
 use crate::prelude::*;
@@ -62,7 +62,7 @@ impl Kind {
             Kind::Stated => vec!["1/3".into(), "3".into()],
             Kind::Words => Cause::with_word().iter().map(Word::word).collect(),
             Kind::Bad => vec!["1".into(), "2".into(), "3".into()],
-            Kind::Everything => pieces::POSES.iter().map(usize::to_string).collect(),
+            Kind::Everything => amend::POSES.iter().map(usize::to_string).collect(),
             Kind::Unweighed => {
                 let with = |suffix: &str| YIELDING.map(|cause| format!("{}{suffix}", cause.word()));
                 ["", BARE].iter().flat_map(|suffix| with(suffix)).collect()
@@ -217,8 +217,8 @@ impl Description {
             }
             Kind::Everything => {
                 one.cause = Some(Cause::Everything);
-                one.size = draw.logarithmic(pieces::SIZES[0], pieces::SIZES[1]);
-                fewer(&mut one, cell.parse().unwrap_or(pieces::POSES[0]));
+                one.size = draw.logarithmic(amend::SIZES[0], amend::SIZES[1]);
+                fewer(&mut one, cell.parse().unwrap_or(amend::POSES[0]));
                 one.make = draw.one(&[Make::Elbow, Make::Elbow, Make::Tree]);
                 (one.joint_noise, one.columns.approach) = (true, true);
             }

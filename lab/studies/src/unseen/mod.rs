@@ -10,12 +10,8 @@
 mod amend;
 mod cause;
 mod description;
-mod executed;
 mod hidden;
-mod oracle;
-mod pieces;
 mod plant;
-mod record;
 mod reported;
 mod robots;
 mod size;
@@ -27,7 +23,7 @@ use crate::journal::commit;
 use crate::prelude::*;
 use crate::results::publish;
 use description::Kind;
-use record::Record;
+use reported::Record;
 use trial::Task;
 
 /// The options of the run.

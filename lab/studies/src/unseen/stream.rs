@@ -59,17 +59,10 @@ mod tests {
     use super::*;
     use std::collections::HashSet;
 
-    const PARTS: [Part; 9] = [
-        Part::Description,
-        Part::Robot,
-        Part::Cause,
-        Part::Plant,
-        Part::Campaign,
-        Part::Noise,
-        Part::Replicates,
-        Part::Fresh,
-        Part::Reference,
-    ];
+    const PARTS: [Part; 9] = {
+        use Part::*;
+        [Description, Robot, Cause, Plant, Campaign, Noise, Replicates, Fresh, Reference]
+    };
 
     fn keys(half: Half, series: u64) -> impl Iterator<Item = Key> {
         (0..12).flat_map(move |kind| (0..200).map(move |number| Key { half, series, kind, cell: 0, number }))
