@@ -45,7 +45,7 @@ const STUDIES: [(&str, Run); 12] = [
     ("solvers", solvers::run),
 ];
 
-/// Folder for the tables and figures of a study.
+/// Folder for the records and tables of a study.
 pub fn folder(study: &str) -> std::io::Result<PathBuf> {
     let root = std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| PathBuf::from("target"), PathBuf::from);
     let folder = root.join("studies").join(study);

@@ -11,7 +11,6 @@
 //! yet in its tables, one line a robot; `study discovery --one CAUSE SEED MULTIPLE [--without]` shows one whole diagnosis (cause `none`: a null).
 
 use crate::prelude::*;
-mod figures;
 pub mod hidden_effects;
 mod plants;
 pub mod record;
@@ -80,7 +79,6 @@ pub fn run(arguments: &[String]) -> Outcome {
         work(&mut journal, (0..asked.nulls).map(task))?;
     }
     text += &summary::nulls(&journal.records)?;
-    figures::nulls(&folder.join("nulls.svg"), &journal.records)?;
 
     let mut journal: Journal<Record> = Journal::open(&folder, "power", &commit)?;
     if wanted("power") {
@@ -96,9 +94,6 @@ pub fn run(arguments: &[String]) -> Outcome {
     text += &format!("\n{}", summary::power(&journal.records, &asked.multiples)?);
     text += &format!("\n{}", summary::confusion_text(&journal.records)?);
     text += &format!("\n{}", summary::coverage(&journal.records)?);
-    figures::power(&folder.join("power.svg"), &journal.records, &asked.multiples)?;
-    figures::matrix(&folder.join("confusion.svg"), &journal.records)?;
-    figures::coverage(&folder.join("coverage.svg"), &journal.records)?;
 
     let mut journal: Journal<Record> = Journal::open(&folder, "several", &commit)?;
     if wanted("several") {

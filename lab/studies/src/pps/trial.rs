@@ -22,10 +22,6 @@ pub struct Experiment {
     pub configurations: usize,
     /// Largest deviation from a straight line of the treatment point's displacement against the payload at home, m.
     pub linearity: f64,
-    /// (payload in lb, displacement in m) of that test.
-    pub loads: Vec<(f64, f64)>,
-    /// Measured treatment points of 270 returns to home, m.
-    pub returns: Vec<Vector3<f64>>,
 }
 
 /// One check configuration.
@@ -43,13 +39,11 @@ pub struct Radii {
     pub noise_free: f64,
     /// Largest distance of the true treatment point from where it is wanted, when the plant gets the compensated commands.
     pub executed: f64,
-    /// Check configurations whose command is `ok`.
-    pub reached: usize,
+    /// Check configurations whose command is not `ok`.
+    pub missed: usize,
     pub columns: usize,
     pub rank: usize,
     pub rounds: usize,
-    /// Measured less predicted treatment points, m.
-    pub errors: Vec<Vector3<f64>>,
 }
 
 impl Experiment {
@@ -69,26 +63,12 @@ impl Experiment {
             checked.iter().map(|&v| check(&plant, &chain, &a, &visits.rows[v])).collect::<Outcome<_>>()?;
         let configurations = Visits::of(&identification).len();
         let loads = load_test(&plant, &chain, seed)?;
-        let returns = points(&chain, &plant.measure(&Campaign::paper_returns(seed), seed + 3)?)?;
-        Ok(Experiment {
-            identification,
-            check,
-            configurations,
-            linearity: off_the_line(&loads),
-            loads,
-            returns,
-            plant,
-        })
+        Ok(Experiment { identification, check, configurations, linearity: off_the_line(&loads), plant })
     }
 
     /// Largest distance between the measured and the nominal treatment point, m.
     pub fn before(&self) -> f64 {
         self.check.iter().map(|c| (c.measured - c.nominal).norm()).fold(0.0, f64::max)
-    }
-
-    /// Errors before, for the figure.
-    pub fn errors_before(&self) -> Vec<Vector3<f64>> {
-        self.check.iter().map(|c| c.measured - c.nominal).collect()
     }
 
     /// Largest distance between the measured and the true treatment point, m.
@@ -115,15 +95,13 @@ impl Experiment {
             noise_only: self.noise_only(),
             noise_free: 0.0,
             executed,
-            reached,
+            missed: self.check.len() - reached,
             columns: fit.fitted.coefficients().len(),
             rank: fit.reduction.rank(),
             rounds: fit.rounds,
-            errors: Vec::new(),
         };
         for check in &self.check {
             let predicted = predicted(&mut predictor, self.plant.chain(), &check.conditions)?;
-            radii.errors.push(check.measured - predicted);
             radii.measured = radii.measured.max((check.measured - predicted).norm());
             radii.noise_free = radii.noise_free.max((check.truth - predicted).norm());
         }

@@ -4,7 +4,6 @@
 
 use crate::prelude::*;
 mod family;
-mod figures;
 mod optimality;
 mod record;
 mod robots;
@@ -52,7 +51,6 @@ pub fn run(_: &[String]) -> Outcome {
     let of = |task: &Task| journal.records.iter().find(|known| known.problem == task.name());
     let records: Vec<Record> = tasks.iter().filter_map(of).flat_map(|known| known.records.clone()).collect();
     let text = summary::text(&records, &strategies)?;
-    figures::draw(&folder, &records)?;
     journal.finish("table")?;
     finish("solvers", &folder.join("table.txt"), &text)
 }
