@@ -9,17 +9,12 @@
 //! Breadth: arms of 3 to 30 joints, without channels and beside fifty thermometers of which none matters, with a gear error in the
 //! middle joint that the model lacks.
 
-use crate::workload::Failure;
-use crate::{clock, say};
+use crate::prelude::*;
 use std::fmt::Write;
-use std::path::Path;
 use truepose_discover::{DiscoverOptions, diagnose};
-use truepose_errormodel::effects::Geometric;
-use truepose_errormodel::{AnyEffect, Channel, Dataset, EffectRegistry};
+use truepose_errormodel::{Channel, EffectRegistry};
 use truepose_io::{RobotOptions, read_model, read_robot, read_text, robot_from_text};
-use truepose_kinematics::Chain;
 use truepose_simulate::PlantDescription;
-use truepose_solvers::PivotedQr;
 
 /// Rows of a run.
 const ROWS: [usize; 4] = [1_000, 10_000, 100_000, 1_000_000];
@@ -33,7 +28,7 @@ const CHANNELS: [usize; 2] = [0, 50];
 const POSES: usize = 2_000;
 
 /// Searches size after size, so that the peak of the process is mostly that of the last one.
-pub fn rows(most: usize, threads: usize) -> Result<(), Failure> {
+pub fn rows(most: usize, threads: usize) -> Outcome {
     let folder = Path::new("examples/01_identify");
     let (chain, _) = read_robot(folder.join("robot.toml"), &RobotOptions::default())?;
     let effects = read_model(folder.join("model.toml"), &chain, &EffectRegistry::builtin())?;
@@ -54,7 +49,7 @@ pub fn rows(most: usize, threads: usize) -> Result<(), Failure> {
 }
 
 /// Searches arm after arm.
-pub fn breadth(most: usize, threads: usize) -> Result<(), Failure> {
+pub fn breadth(most: usize, threads: usize) -> Outcome {
     let load = clock::load();
     let declared: Vec<Box<dyn AnyEffect>> = vec![Box::new(Geometric::default())];
     for joints in JOINTS.into_iter().filter(|joints| *joints <= most) {
@@ -76,17 +71,13 @@ pub fn breadth(most: usize, threads: usize) -> Result<(), Failure> {
     Ok(())
 }
 
-fn measured(description: &PlantDescription, chain: &Chain) -> Result<Dataset, Failure> {
+fn measured(description: &PlantDescription, chain: &Chain) -> Outcome<Dataset> {
     let seed = description.seed;
     Ok(description.plant(chain)?.measure(&description.campaign.on(chain, seed)?, seed)?)
 }
 
 /// Times and memory of a search, and its findings.
-fn searched(
-    chain: &Chain,
-    declared: &[Box<dyn AnyEffect>],
-    data: &Dataset,
-) -> Result<(String, String), Failure> {
+fn searched(chain: &Chain, declared: &[Box<dyn AnyEffect>], data: &Dataset) -> Outcome<(String, String)> {
     let (solver, options) = (PivotedQr::default(), DiscoverOptions::default());
     let (cpu, wall, found) = clock::timed(|| diagnose(chain, declared, data, &solver, &options, &|_| ()));
     let names: Vec<String> = found?.findings.iter().map(|finding| finding.candidate.words()).collect();

@@ -2,10 +2,11 @@
 
 mod arguments;
 mod child;
-mod clock;
+pub mod clock;
 mod discovery;
 mod growth;
 mod peaks;
+mod prelude;
 mod robots;
 mod runner;
 mod summary;
@@ -20,7 +21,7 @@ use std::process::ExitCode;
 use workload::Failure;
 
 /// A line to the terminal, or to the process that asked.
-fn say(text: &str) {
+pub fn say(text: &str) {
     let mut out = std::io::stdout().lock();
     let _ = writeln!(out, "{text}");
     let _ = out.flush();

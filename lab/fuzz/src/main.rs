@@ -31,6 +31,20 @@ fn piece(rng: &mut ChaCha8Rng) -> &'static str {
     pieces[rng.random_range(0..pieces.len())]
 }
 
+const SOLVERS: [&str; 7] = [
+    "qr",
+    "svd(rcond=1e-10)",
+    "ridge(gcv)",
+    "huber(qr, k=1.345)",
+    "tukey(lasso(cv))",
+    "group_lasso(refit)",
+    "bounded(qr)",
+];
+
+fn good(texts: &[&str]) -> Vec<Vec<u8>> {
+    texts.iter().map(|text| text.as_bytes().to_vec()).collect()
+}
+
 /// What reads, and good texts to spoil.
 struct Target {
     name: &'static str,
@@ -87,41 +101,14 @@ fn target(name: &'static str) -> Target {
     let (ending, mut good): (&str, Vec<Vec<u8>>) = match name {
         "robot" => ("toml", samples::all().iter().map(|c| robot_toml(c).into_bytes()).collect()),
         "urdf" => ("urdf", samples::all().iter().map(|c| robot_urdf(c, &[]).into_bytes()).collect()),
-        "model" => (
-            "toml",
-            vec![
-                b"[[effects]]\nfamily = \"geometric\"\nframes = [\"base\", \"j1\"]\ncomponents = [\"x\", \"rz\"]\n\n[[effects]]\nfamily = \
-                  \"joint_compliance\"\njoints = [\"j2\"]\n"
-                    .to_vec(),
-                b"[[effects]]\nfamily = \"transmission\"\njoint = \"j1\"\nperiod = 3.14\nharmonics = [1, 2]\n\n[[effects]]\nfamily = \
-                  \"expansion\"\nat = { motion = { joint = \"j1\" } }\nfactors = [{ of = { joint = \"j2\" }, basis = { powers = [1, 2] } }]\n"
-                    .to_vec(),
-            ],
-        ),
+        "model" => {
+            ("toml", good(&[include_str!("../good/model_1.toml"), include_str!("../good/model_2.toml")]))
+        }
         "fit" => ("json", vec![fit(&chain)]),
-        "solver" => (
-            "txt",
-            ["qr", "svd(rcond=1e-10)", "ridge(gcv)", "huber(qr, k=1.345)", "tukey(lasso(cv))", "group_lasso(refit)", "bounded(qr)"]
-                .map(|s| s.as_bytes().to_vec())
-                .to_vec(),
-        ),
-        "poses" => (
-            "csv",
-            vec![
-                b"x[mm],y[mm],z[mm],target\n500,100,300,T1\n400,-200,350,\n".to_vec(),
-                b"j1[deg],j2[deg],d3[mm],x[m],y[m],z[m],qw,qx,qy,qz,payload[kg],time[s]\n10,20,30,0.4,0.1,0.3,1,0,0,0,5,1\n".to_vec(),
-            ],
-        ),
+        "solver" => ("txt", good(&SOLVERS)),
+        "poses" => ("csv", good(&[include_str!("../good/poses_1.csv"), include_str!("../good/poses_2.csv")])),
         "parquet" => ("parquet", Vec::new()),
-        _ => (
-            "csv",
-            vec![
-                b"j1[deg],j2[deg],d3[mm],x[mm],y[mm],z[mm],qw,qx,qy,qz,sx[um],sy[um],sz[um],visit,payload[kg],cx[mm],cy[mm],cz[mm],\
-                  time[s],approach_j1,approach_j2,approach_d3,oil[degC]\n10,20,30,400,100,300,1,0,0,0,10,10,20,1,5,0,0,90,1,1,-1,0,21.5\n\
-                  11,-20,90,420,120,310,,,,,10,10,20,2,0,0,0,0,9,0,1,1,21.75\n"
-                    .to_vec(),
-            ],
-        ),
+        _ => ("csv", good(&[include_str!("../good/measurements.csv")])),
     };
     let mut seeds = Vec::new();
     let folder = if name == "parquet" { corpus().join("../parquet") } else { corpus() };

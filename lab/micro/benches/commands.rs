@@ -9,7 +9,7 @@ use std::time::Instant;
 use truepose_compensate::{CommandRequest, Compensator, CompensatorOptions, Status};
 use truepose_errormodel::Schema;
 use truepose_kinematics::{Chain, Conditions, PostureBuffer, joint_jacobian, samples};
-use truepose_micro::{Draw, elastic, load, target_at};
+use truepose_micro::{Draw, elastic, latencies, load, target_at};
 
 const COUNT: usize = 100_000;
 /// As the program takes them.
@@ -125,15 +125,13 @@ fn run(chain: &Chain, words: &str, tolerance: f64, seeded: bool) {
             *single = single.min(begun.elapsed().as_secs_f64());
         }
     }
-    singles.sort_by(f64::total_cmp);
+    let [median, most, _] = latencies(singles);
     println!(
-        "{:6} {words} {}: {:.3} s per 100 000, {:.3} s as a list, {ok} of {count} ok, {:.2} rounds; single calls: median {:.2} µs, 99.9 % {:.1} µs",
+        "{:6} {words} {}: {:.3} s per 100 000, {:.3} s as a list, {ok} of {count} ok, {:.2} rounds; single calls: median {median:.2} µs, 99.9 % {most:.1} µs",
         chain.name(),
         if seeded { "from a seed " } else { "without seed" },
         best * COUNT as f64 / count as f64,
         together * COUNT as f64 / count as f64,
         rounds as f64 / count as f64,
-        1e6 * singles[count / 2],
-        1e6 * singles[count * 999 / 1000],
     );
 }

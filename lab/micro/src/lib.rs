@@ -11,6 +11,13 @@ use truepose_errormodel::{Dataset, Schema};
 use truepose_kinematics::nalgebra::Vector3;
 use truepose_kinematics::{Chain, Load, TargetId, Wrench};
 
+/// Median, 99.9 % and largest of times, µs.
+pub fn latencies(mut seconds: Vec<f64>) -> [f64; 3] {
+    seconds.sort_by(f64::total_cmp);
+    let n = seconds.len();
+    [n / 2, n * 999 / 1000, n - 1].map(|k| 1e6 * seconds[k])
+}
+
 /// Points of a robot with limits, from number `first` on: spread over its travels, under a load that changes, off by a smooth error.
 pub fn points(chain: &Chain, first: usize, count: usize) -> Dataset {
     let movable = chain.movable();

@@ -32,6 +32,23 @@ pub fn slides(chain: &Chain, joint: JointId) -> bool {
     chain.joint(joint).kind == JointKind::Prismatic
 }
 
+/// Compliance of a joint, N·m/rad or N/m.
+pub fn spring(joint: String, stiffness: f64) -> flaws::JointCompliance {
+    flaws::JointCompliance { joint, stiffness: Some(stiffness), ..Default::default() }
+}
+
+/// Backlash by the direction of approach: mrad of a turn, mm of a slide.
+pub fn backlash(joint: String, slide: bool, milli: f64) -> flaws::Backlash {
+    let (width_mrad, width_mm) = ((!slide).then_some(milli), slide.then_some(milli));
+    flaws::Backlash { joint, width_mrad, width_mm, ..Default::default() }
+}
+
+/// Transmission error of a turn: of its teeth where there are cycles, else of an eccentric wheel.
+pub fn gear(joint: String, amplitude_mrad: f64, cycles: Option<f64>) -> flaws::Transmission {
+    let wheel = if cycles.is_some() { flaws::Wheel::Mesh } else { flaws::Wheel::Eccentric };
+    flaws::Transmission { joint, wheel, amplitude_mrad, cycles, phase_deg: None }
+}
+
 /// Constant errors alone, as `identify` declares them.
 pub fn constant_errors() -> Vec<Box<dyn AnyEffect>> {
     vec![Box::new(Geometric::default())]

@@ -41,6 +41,11 @@ impl Table {
         self.text.push('\n');
     }
 
+    /// Adds a row of texts.
+    pub fn cells(&mut self, cells: &[String]) {
+        self.line(cells);
+    }
+
     /// Adds a row.
     pub fn row(&mut self, cells: &[&dyn Display]) {
         self.line(cells);

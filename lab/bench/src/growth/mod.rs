@@ -8,19 +8,15 @@
 //! Rows come from memory in blocks, again and again beyond the first quarter of a million, as from a file that is larger than memory; reading
 //! is not timed.
 
+use crate::prelude::*;
 mod figure;
 mod rows;
 
-use crate::workload::Failure;
-use crate::{clock, say};
 use rows::Blocks;
-use std::path::Path;
 use truepose_errormodel::effects::{Polynomial, WrenchComponent};
-use truepose_errormodel::{AnyEffect, ErrorModel};
 use truepose_identify::{FitOptions, PriorStrength, StreamedOptions, fit, identify_streamed};
-use truepose_kinematics::{Axis, Chain, JointId, samples};
+use truepose_kinematics::{Axis, samples};
 use truepose_micro::points;
-use truepose_solvers::PivotedQr;
 
 /// One measured series.
 pub struct Series {
@@ -37,7 +33,7 @@ const UNKNOWNS: [usize; 9] = [20, 35, 60, 100, 170, 300, 500, 700, 1000];
 const POINTS: usize = 5_000;
 
 /// Measures both, prints them, and draws the figure.
-pub fn run(figure: &Path) -> Result<(), Failure> {
+pub fn run(figure: &Path) -> Outcome {
     let load = clock::load();
     let chain = samples::pps();
     let options = FitOptions { refine: false, prior: PriorStrength::None, ..FitOptions::default() };
@@ -107,7 +103,7 @@ fn effects(degree: u32, wrench: usize, components: usize) -> Vec<Box<dyn AnyEffe
 }
 
 /// The polynomial whose number of columns is nearest to this one.
-fn nearest(chain: &Chain, aim: usize) -> Result<ErrorModel, Failure> {
+fn nearest(chain: &Chain, aim: usize) -> Outcome<ErrorModel> {
     let mut best: Option<ErrorModel> = None;
     for components in [1, 2, 3, 6] {
         for wrench in 0..=3 {

@@ -1,9 +1,7 @@
 //! Points of the paper's robot in blocks.
 
-use crate::workload::Failure;
-use truepose_errormodel::Dataset;
+use crate::prelude::*;
 use truepose_identify::{IdentifyError, Source};
-use truepose_kinematics::Chain;
 use truepose_micro::points;
 
 /// Rows of a block, and how many different blocks there are.
@@ -28,11 +26,11 @@ impl<'a> Blocks<'a> {
 impl Source for Blocks<'_> {
     type Error = Failure;
 
-    fn sample(&mut self, rows: usize) -> Result<Dataset, Failure> {
+    fn sample(&mut self, rows: usize) -> Outcome<Dataset> {
         Ok(points(self.chain, 0, rows.min(self.rows)))
     }
 
-    fn each(&mut self, take: &mut dyn FnMut(&Dataset) -> Result<(), IdentifyError>) -> Result<(), Failure> {
+    fn each(&mut self, take: &mut dyn FnMut(&Dataset) -> Result<(), IdentifyError>) -> Outcome {
         let mut left = self.rows;
         let mut k = 0;
         while left > 0 {

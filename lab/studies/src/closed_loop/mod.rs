@@ -38,7 +38,7 @@ pub fn run(arguments: &[String]) -> Outcome {
     let Options { only, visits, driven } = asked(arguments)?;
     let folder = folder("closed-loop")?;
     let mut executions = Table::columns(
-        "robot -8|plant 6|ok 9|before mm 10|after µm 9|max µm 9|repeat µm 8|× before 8|× after 8|in band 8",
+        "robot -8|plant 6|ok 9|before mm 10|after µm 9|max µm 9|repeat µm 8|× before 8|× after 8|in band 9",
     );
     let mut trips = Table::columns(
         "robot -8|asked 10|ok 7|limit 8|unreachable 12|not conv. 8|beyond limits 14|m 9|rad 9|µs each 8",
@@ -54,18 +54,17 @@ pub fn run(arguments: &[String]) -> Outcome {
         for plant in 0..PLANTS {
             let trial = Trial::new(&robot, 40 + 10 * plant, visits.unwrap_or(robot.visits))?;
             let d = trial.execute()?;
-            let (name, band, before) = (&robot.name, Fraction { hits: d.within, of: d.rows }, 1e3 * d.before);
+            let (name, band) = (&robot.name, Fraction { hits: d.within, of: d.rows });
             let micro = [d.after, d.after_max, d.repeatability].map(|v| fixed(1e6 * v, 1));
-            let (ratios, per_cent) = ([d.ratio_before(), d.ratio()], format!("{:.1} %", band.percent()));
-            let (ok, ratio) = (part_of(d.ok, d.of), [fixed(ratios[0], 1), fixed(ratios[1], 3)]);
-            let [after, most, repeat] = &micro;
-            let before_mm = fixed(before, 3);
-            executions
-                .row(&[name, &plant, &ok, &before_mm, after, most, repeat, &ratio[0], &ratio[1], &per_cent]);
-            let [after, most, repeat] = [d.after, d.after_max, d.repeatability].map(|v| 1e3 * v);
+            let head = [name.clone(), plant.to_string(), part_of(d.ok, d.of), fixed(1e3 * d.before, 3)];
+            let per_cent = format!("{:.1} %", band.percent());
+            let tail = [fixed(d.ratio_before(), 1), fixed(d.ratio(), 3), per_cent];
+            executions.cells(&[&head[..], &micro, &tail].concat());
+            let [before, after, most, repeat] =
+                [d.before, d.after, d.after_max, d.repeatability].map(|v| 1e3 * v);
             let (of, ok, rows, share) = (d.of, d.ok, d.rows, d.within as f64 / d.rows as f64);
             write!(execution_csv, "{name},{plant},{of},{ok},{before},{after},{most},{repeat}")?;
-            writeln!(execution_csv, ",{},{},{rows},{share}", ratios[0], ratios[1])?;
+            writeln!(execution_csv, ",{},{},{rows},{share}", d.ratio_before(), d.ratio())?;
             print(executions.last());
             if d.ratio() > robot.within {
                 print(&format!("{name}: more than {} times its repeatability", robot.within));
@@ -84,20 +83,11 @@ pub fn run(arguments: &[String]) -> Outcome {
                 let c = trial.round_trip(asked, poses, seeded)?;
                 let seconds = begun.elapsed().as_secs_f64();
                 let Counts { ok, unreachable, limit, not_converged, position, orientation, beyond } = c;
-                let [m, rad] = [position, orientation].map(|v| format!("{v:.1e}"));
+                let head = [name.clone(), words.into()];
+                let counts = [ok, limit, unreachable, not_converged, beyond].map(|count| count.to_string());
                 let each = fixed(1e6 * seconds / c.all() as f64, 1);
-                trips.row(&[
-                    name,
-                    &words,
-                    &ok,
-                    &limit,
-                    &unreachable,
-                    &not_converged,
-                    &beyond,
-                    &m,
-                    &rad,
-                    &each,
-                ]);
+                let tail = [format!("{position:.1e}"), format!("{orientation:.1e}"), each];
+                trips.cells(&[&head[..], &counts, &tail].concat());
                 write!(trip_csv, "{name},{words},{seeded},{},{ok},{unreachable},{limit}", c.all())?;
                 writeln!(trip_csv, ",{not_converged},{position:e},{orientation:e},{seconds}")?;
                 print(trips.last());

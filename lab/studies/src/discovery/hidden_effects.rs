@@ -116,15 +116,13 @@ impl HiddenEffect {
             }
             HiddenEffect::JointCompliance => {
                 let k = *loaded.choose(rng)?;
-                let (load, spring) = (loads[k], chain.movable()[k]);
-                let (place, joint, _) = of(spring);
+                let (load, soft) = (loads[k], chain.movable()[k]);
+                let (place, joint, _) = of(soft);
                 let install = move |errors: &mut Flaws, size: f64| {
                     // A millimetre or milliradian under the largest load.
-                    let (joint, stiffness) = (joint.clone(), Some(load / (1e-3 * size)));
-                    let compliance = flaws::JointCompliance { joint, stiffness, ..Default::default() };
-                    errors.joint_compliance.push(compliance);
+                    errors.joint_compliance.push(spring(joint.clone(), load / (1e-3 * size)));
                 };
-                let undeclared = Undeclared { spring: Some(spring), ..Undeclared::default() };
+                let undeclared = Undeclared { spring: Some(soft), ..Undeclared::default() };
                 Hidden { undeclared, ..Hidden::at(place, install) }
             }
             HiddenEffect::LinkCompliance => {
@@ -170,15 +168,12 @@ impl HiddenEffect {
                 let (place, joint, slide) = of(if mesh { any } else { *of_kind(false).choose(rng)? });
                 let cycles = mesh.then(|| (6.0 + 74.0 * rng.random::<f64>()).round());
                 let lead_mm = *[5.0, 10.0, 20.0].choose(rng)?;
-                let wheel = if mesh { flaws::Wheel::Mesh } else { flaws::Wheel::Eccentric };
                 Hidden::at(place, move |errors, size| {
-                    let (joint, amplitude_um, amplitude_mrad) = (joint.clone(), 100.0 * size, size);
+                    let (joint, amplitude_um) = (joint.clone(), 100.0 * size);
                     if slide {
                         errors.lead_screw.push(flaws::LeadScrew { joint, lead_mm, amplitude_um });
                     } else {
-                        let phase_deg = None;
-                        let gear = flaws::Transmission { joint, wheel, amplitude_mrad, cycles, phase_deg };
-                        errors.transmission.push(gear);
+                        errors.transmission.push(gear(joint, size, cycles));
                     }
                 })
             }
@@ -193,10 +188,8 @@ impl HiddenEffect {
                 };
                 let (place, joint, slide) = of(chain.movable()[k]);
                 Hidden::at(place, move |errors, size| {
-                    let (width_mrad, width_mm) = ((!slide).then_some(size), slide.then_some(size));
-                    let joint = joint.clone();
-                    let backlash = flaws::Backlash { joint, width_mrad, width_mm, side, flank_load };
-                    errors.backlash.push(backlash);
+                    let of = backlash(joint.clone(), slide, size);
+                    errors.backlash.push(flaws::Backlash { side, flank_load, ..of });
                 })
             }
             HiddenEffect::Coupling => {

@@ -6,12 +6,10 @@
 //! | power | one cause hidden, at multiples of the detectable size | is it found, named, placed? do the intervals hold? |
 //! | several | two or three causes in one | do they hide each other? |
 //! | without | the same, its family taken out of the library | is it called by a wrong name? |
-//!
-//! `study discovery [--short] [--nulls N] [--robots N] [--multiples M,M] [--causes C,C] [--part NAME] [--folder NAME]` runs what is not
-//! yet in its tables, one line a robot; `study discovery --one CAUSE SEED MULTIPLE [--without]` shows one whole diagnosis (cause `none`: a null).
 
 use crate::prelude::*;
 pub mod hidden_effects;
+
 mod plants;
 pub mod record;
 pub mod robots;

@@ -108,11 +108,7 @@ impl Robot {
             .iter()
             .zip(&self.stiffness)
             .filter(|(joint, _)| undeclared.spring != Some(**joint))
-            .map(|(&joint, &stiffness)| flaws::JointCompliance {
-                joint: name_of(chain, joint),
-                stiffness: Some(stiffness),
-                ..flaws::JointCompliance::default()
-            });
+            .map(|(&joint, &stiffness)| spring(name_of(chain, joint), stiffness));
         PlantOptions {
             errors: Flaws {
                 geometric: Some(geometric),

@@ -3,7 +3,6 @@
 use super::hidden_effects::HiddenEffect;
 use super::record::{Interval, Record};
 use crate::prelude::*;
-use std::fmt::Display;
 
 /// The p of a null's first screen.
 pub fn first_p(record: &Record) -> f64 {
@@ -80,7 +79,7 @@ pub fn power(records: &[Record], multiples: &[f64]) -> Outcome<String> {
             fixed(upper_median(clear.iter().map(|r| r.ratio)), 3),
             fixed(largest(clear.iter().map(|r| r.ratio)), 3),
         ]);
-        table.row(&cells.iter().map(|cell| cell as &dyn Display).collect::<Vec<_>>());
+        table.cells(&cells);
     }
     let mut text = format!(
         "Found with the right name and place, of those that were tried; multiples of the detectable size\n{}\

@@ -3,9 +3,7 @@
 use super::makes::Make;
 use super::unnamed::Unnamed;
 use crate::prelude::*;
-use truepose_simulate::flaws::{
-    Backlash, Drift, JointCompliance, LeadScrew, Mislabelled, Shift, Thermal, Transmission, Wheel,
-};
+use truepose_simulate::flaws::{Drift, JointCompliance, LeadScrew, Mislabelled, Shift, Thermal};
 
 /// Kinds of what is hidden.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -73,12 +71,7 @@ impl Hidden {
             Hidden::Compliance => compliance(flaws, chain, make, draw),
             Hidden::Backlash => {
                 for k in draw.some(2, turns.len()) {
-                    let width_mrad = Some(draw.logarithmic(0.15, 1.0));
-                    flaws.backlash.push(Backlash {
-                        joint: turns[k].clone(),
-                        width_mrad,
-                        ..Backlash::default()
-                    });
+                    flaws.backlash.push(backlash(turns[k].clone(), false, draw.logarithmic(0.15, 1.0)));
                 }
             }
             Hidden::Thermal => thermal(flaws, &all, seconds, draw),
@@ -129,13 +122,7 @@ fn periodic(flaws: &mut Flaws, joint: &str, turn: bool, mesh: bool, draw: &mut D
     let mrad = if mesh { draw.logarithmic(0.05, 0.4) } else { draw.logarithmic(0.1, 0.8) };
     let cycles = draw.logarithmic(15.0, 120.0).round();
     if turn {
-        flaws.transmission.push(Transmission {
-            joint: joint.into(),
-            wheel: if mesh { Wheel::Mesh } else { Wheel::Eccentric },
-            amplitude_mrad: mrad,
-            cycles: mesh.then_some(cycles),
-            phase_deg: None,
-        });
+        flaws.transmission.push(gear(joint.into(), mrad, mesh.then_some(cycles)));
     } else {
         let lead_mm = if mesh { 10.0 } else { 150.0 };
         flaws.lead_screw.push(LeadScrew { joint: joint.into(), lead_mm, amplitude_um: 200.0 * mrad });

@@ -2,11 +2,9 @@
 //!
 //! A robot's number decides everything: its kind and dimensions, what is wrong with it, how it is measured, what goes wrong
 //! with the record. Even numbers are there to be worked with; odd ones are locked: nothing is tuned to them.
-//!
-//! `study harm [--robots FROM..TO] [--half even|odd] [--verbs V,V] [--nested] [--folder NAME]` runs what is not yet in its tables, one line a
-//! robot; verbs are solvers, discover, export, compensate (identify always runs). `study harm --one NUMBER` shows one robot.
 
 use crate::prelude::*;
+
 mod executed;
 mod hidden;
 mod makes;

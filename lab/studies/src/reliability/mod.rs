@@ -7,11 +7,10 @@
 //! | precision | none: ten ill-conditioned problems | solutions, covariances, ranks and relations, in sixty digits |
 //! | power | the same with a hidden effect, at 4 and 8 times the detectable size | sizes and nonlinear parameters of `discover` |
 //!
-//! `study reliability [--short] [--robots N] [--nulls N] [--finds N] [--folder NAME]` runs what is not yet in its tables, one line a robot,
-//! and writes the generated part of `docs/reliability.md` (not with `--short`); `study reliability --one SEED` shows one robot.
 //! With `--half tuning` or `--half locked` it is the study of unseen robots (module `unseen`).
 
 use crate::prelude::*;
+
 mod plants;
 mod precision;
 mod table;

@@ -215,7 +215,6 @@ impl Drawing<'_> {
         // A joint that hardly moves the point would have to err by tenths of a radian to be seen: no machine does, and no linear model holds.
         let size = if slide { self.size } else { (self.size / self.reach).min(LARGEST) };
         let milli = 1e3 * size;
-        let (width_mrad, width_mm) = ((!slide).then_some(milli), slide.then_some(milli));
         let mut between = |low: f64, high: f64| low + (high - low) * rng.random::<f64>();
         let mut change = None;
         let (effect, coefficients, shape): (Box<dyn AnyEffect>, Vec<f64>, Option<f64>) = match extra {
@@ -223,24 +222,13 @@ impl Drawing<'_> {
                 return Ok((Declared { effect: None, coefficients: Vec::new(), shape: None }, None));
             }
             Extra::Gap => {
-                errors.backlash.push(flaws::Backlash {
-                    joint: named,
-                    width_mrad,
-                    width_mm,
-                    side: flaws::BacklashSide::Approach,
-                    flank_load: None,
-                });
+                errors.backlash.push(backlash(named, slide, milli));
                 (Box::new(Backlash::of(joint, Side::Approach)), vec![size], None)
             }
             Extra::Flank => {
                 let flank = load * between(0.2, 0.5);
-                errors.backlash.push(flaws::Backlash {
-                    joint: named,
-                    width_mrad,
-                    width_mm,
-                    side: flaws::BacklashSide::Load,
-                    flank_load: Some(flank),
-                });
+                let (side, flank_load) = (flaws::BacklashSide::Load, Some(flank));
+                errors.backlash.push(flaws::Backlash { side, flank_load, ..backlash(named, slide, milli) });
                 let flank_range = Some([0.02 * load, 2.0 * load]);
                 let of = Backlash::of(joint, Side::Load);
                 let effect = Backlash { flank_load: Some(0.5 * load), flank_range, ..of };
@@ -264,13 +252,7 @@ impl Drawing<'_> {
                     let (lead_mm, amplitude_um) = (10.0, 1e3 * milli);
                     errors.lead_screw.push(flaws::LeadScrew { joint: named, lead_mm, amplitude_um });
                 } else {
-                    errors.transmission.push(flaws::Transmission {
-                        joint: named,
-                        wheel: flaws::Wheel::Mesh,
-                        amplitude_mrad: milli,
-                        cycles: Some(cycles),
-                        phase_deg: None,
-                    });
+                    errors.transmission.push(gear(named, milli, Some(cycles)));
                 }
                 let period_range = Some([0.7 * period, 1.4 * period]);
                 let of = Transmission::of(joint, 1.1 * period);

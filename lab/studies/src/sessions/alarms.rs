@@ -43,16 +43,15 @@ pub fn table(asked: &Asked) -> Outcome<String> {
 fn one(number: u64, locked: bool) -> Outcome<Watched> {
     let kind = (number / 3) as usize % KINDS.len();
     let robot = Robot::of(number, locked, if kind == 2 { 1 } else { 3 })?;
-    let plant = robot.plant(&robot.chain, if kind == 3 { gear(&robot) } else { Flaws::default() })?;
+    let plant = robot.plant(&robot.chain, if kind == 3 { with_gear(&robot) } else { Flaws::default() })?;
     let poses = if kind == 2 { 40 } else { 100 };
     let arm = identified(&robot.chain, &robot.observed(&plant, poses, 1)?.data)?.fitted;
     looks(&robot, &plant, &arm, kind)
 }
 
 /// A gear of the third joint that errs by 0.1 mrad once a turn.
-fn gear(robot: &Robot) -> Flaws {
-    let joint = robot.chain.joint(robot.chain.movable()[2]).name.clone();
-    let gear = flaws::Transmission { joint, amplitude_mrad: 0.1, ..flaws::Transmission::default() };
+fn with_gear(robot: &Robot) -> Flaws {
+    let gear = gear(name_of(&robot.chain, robot.chain.movable()[2]), 0.1, None);
     Flaws { transmission: vec![gear], ..Flaws::default() }
 }
 

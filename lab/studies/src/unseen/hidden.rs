@@ -13,7 +13,6 @@ use truepose_errormodel::effects::{
     Backlash, Coupling, Drift, Grows, Guideway, Instrument, InstrumentMode, LinkCompliance, Shift, Side,
     Spot, Thermal,
 };
-use truepose_simulate::flaws::{BacklashSide, Wheel};
 
 /// Of the largest moment, below which a drive carries nothing.
 const CARRIES: f64 = 0.03;
@@ -193,20 +192,13 @@ impl Hidden {
                 errors.base_compliance =
                     Some(flaws::BaseCompliance { tilt_stiffness: Some(tilt), sink_stiffness: None });
             }
-            Cause::Backlash | Cause::Wear => errors.backlash.push(flaws::Backlash {
-                joint,
-                width_mrad: (!self.slide).then_some(mrad),
-                width_mm: self.slide.then_some(mm),
-                side: BacklashSide::Approach,
-                flank_load: None,
-            }),
-            Cause::Eccentric | Cause::Mesh => errors.transmission.push(flaws::Transmission {
-                joint,
-                wheel: if self.cause == Cause::Mesh { Wheel::Mesh } else { Wheel::Eccentric },
-                amplitude_mrad: mrad,
-                cycles: (self.cause == Cause::Mesh).then(|| (3.0 + 20.0 * self.u[0]).round()),
-                phase_deg: None,
-            }),
+            Cause::Backlash | Cause::Wear => {
+                errors.backlash.push(backlash(joint, self.slide, if self.slide { mm } else { mrad }));
+            }
+            Cause::Eccentric => errors.transmission.push(gear(joint, mrad, None)),
+            Cause::Mesh => {
+                errors.transmission.push(gear(joint, mrad, Some((3.0 + 20.0 * self.u[0]).round())));
+            }
             Cause::Coupling => errors.coupling.push(flaws::Dragging {
                 joint,
                 driver: self.driver.clone(),

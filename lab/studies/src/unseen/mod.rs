@@ -2,10 +2,6 @@
 //!
 //! Plants have causes by laws that are no formula of the model, geometries of no other study, and noise that is not that of
 //! the model. Half of the robots are for tuning, half are locked ([`stream`]).
-//!
-//! `study reliability --half tuning|locked [--series N] [--kind K,K] [--poses N,N] [--cause C,C] [--robots N] [--from N]
-//! [--folder NAME] [--publish]` runs what is not yet in its table, one line a robot, and writes the summary (`--publish`: into `docs/reliability.md` too);
-//! `--one KIND CELL NUMBER` shows one report.
 
 mod amend;
 mod cause;
@@ -130,8 +126,6 @@ fn poses(word: &str) -> Result<String, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::journal::line;
-    use std::fs;
 
     #[test]
     fn options_select_tasks() {
@@ -151,42 +145,5 @@ mod tests {
         for wrong in ["--series 0", "--half both", "--kind nothing", "--poses 26", "--seeds 3", "--robots"] {
             assert!(options(wrong).is_err(), "{wrong}");
         }
-    }
-
-    /// What is not a time, of each line.
-    fn lines(records: &[Record]) -> Vec<String> {
-        let timeless = |record: &Record| {
-            let mut record = record.clone();
-            record.set("seconds", "");
-            line(&record)
-        };
-        records.iter().map(timeless).collect()
-    }
-
-    #[test]
-    fn a_run_that_was_killed_is_continued_and_ends_the_same() {
-        let root = std::env::temp_dir().join(format!("truepose-unseen-{}", std::process::id()));
-        let of = |name: &str| {
-            let folder = root.join(name);
-            fs::create_dir_all(&folder).expect("a folder");
-            folder
-        };
-        let tasks: Vec<Task> = (0..2).map(|number| Task::of(Kind::Null, "", Half::Tuning, number)).collect();
-        let open = |folder: &Path| Journal::<Record>::open(folder, "tuning", "abc").expect("a journal");
-        let whole = work(open(&of("whole")), &tasks).expect("records");
-        assert!(whole.iter().all(Record::ended), "{whole:?}");
-        // The first robot, and half a line of the second.
-        let cut = of("cut");
-        work(open(&cut), &tasks[..1]).expect("a record");
-        let path = cut.join("tuning.jsonl");
-        let text = fs::read_to_string(&path).expect("the table");
-        let half: String = line(&whole[1]).chars().take(40).collect();
-        fs::write(&path, text + &half).expect("half a line");
-        let again = open(&cut);
-        assert_eq!(again.records.len(), 1);
-        let continued = work(again, &tasks).expect("records");
-        assert_eq!(lines(&continued), lines(&whole));
-        assert_eq!(open(&cut).records.len(), 2);
-        fs::remove_dir_all(&root).expect("no folder");
     }
 }

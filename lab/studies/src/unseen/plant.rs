@@ -167,10 +167,9 @@ impl Ground<'_> {
         let largest = self.loads.iter().copied().fold(1e-3, f64::max);
         let movable = self.robot.chain.movable().iter().zip(&self.loads);
         let compliances: Vec<_> = movable
-            .map(|(&joint, load)| flaws::JointCompliance {
-                joint: name_of(&self.robot.chain, joint),
-                stiffness: Some(load.max(0.05 * largest) / (1e-3 * softness * draw.logarithmic(0.05, 0.4))),
-                ..Default::default()
+            .map(|(&joint, load)| {
+                let angle = 1e-3 * softness * draw.logarithmic(0.05, 0.4);
+                spring(name_of(&self.robot.chain, joint), load.max(0.05 * largest) / angle)
             })
             .collect();
         let repeatability = if what.joint_noise || what.memory > 0.0 { 0.0 } else { what.noise_um[1] };

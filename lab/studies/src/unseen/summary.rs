@@ -71,7 +71,7 @@ fn table(head: &str, groups: &[Group<'_>], columns: &[Column]) -> String {
     for (name, mine) in groups.iter().filter(|(_, mine)| !mine.is_empty()) {
         let mut cells = vec![name.clone(), mine.len().to_string()];
         cells.extend(columns.iter().map(|(_, cell)| cell(mine)));
-        table.row(&cells.iter().map(|cell| cell as &dyn std::fmt::Display).collect::<Vec<_>>());
+        table.cells(&cells);
     }
     table.text()
 }
