@@ -44,7 +44,7 @@ pub fn rows(most: usize, threads: usize) -> Outcome {
         let (rows, micro) = (data.len(), 1e3 * amplitude);
         say(&format!("{rows:>9} rows: {used}; gear error {micro:.2} µrad: {found}"));
     }
-    clock::say_machine(&format!("{threads} threads"), load);
+    say_machine(&format!("{threads} threads"), load);
     Ok(())
 }
 
@@ -67,7 +67,7 @@ pub fn breadth(most: usize, threads: usize) -> Outcome {
             say(&format!("{joints:>3} joints, {channels:>2} channels: {used}; hidden in {hidden}: {found}"));
         }
     }
-    clock::say_machine(&format!("{threads} threads"), load);
+    say_machine(&format!("{threads} threads"), load);
     Ok(())
 }
 

@@ -27,6 +27,12 @@ pub fn say(text: &str) {
     let _ = out.flush();
 }
 
+/// Prints the processor, the threads, and the load then and now.
+pub fn say_machine(threads: &str, before: f64) {
+    let (processor, after) = (clock::processor(), clock::load());
+    say(&format!("{processor}, {threads}; load {before:.1} at the beginning, {after:.1} at the end"));
+}
+
 fn run() -> Result<(), Failure> {
     let arguments = Arguments::parse();
     rayon::ThreadPoolBuilder::new().num_threads(arguments.threads.max(1)).build_global()?;

@@ -3,7 +3,7 @@
 pub use crate::robots::{dataset, robot, rows_of};
 pub use crate::table::Table;
 pub use crate::workload::{Answer, Declared, Failure, Outcome, Way, Workload};
-pub use crate::{clock, say};
+pub use crate::{clock, say, say_machine};
 pub use std::cell::RefCell;
 pub use std::path::Path;
 pub use std::rc::Rc;

@@ -13,10 +13,12 @@ use truepose_io::{
     read_poses, read_robot, robot_toml, robot_urdf,
 };
 use truepose_kinematics::{Chain, samples};
+use truepose_micro::clock::{memory_mb, timed_on_thread};
 use truepose_solvers::SolverSpec;
 
 const SLOW: Duration = Duration::from_secs(1);
-const LARGEST: u64 = 1 << 30;
+/// MB.
+const LARGEST: f64 = 1024.0;
 /// Kept inputs of a target, at most.
 const MOST: usize = 4000;
 const TARGETS: &[&str] = &["robot", "urdf", "measurements", "model", "fit", "poses", "solver", "parquet"];
@@ -177,12 +179,6 @@ fn read(target: &Target, path: &Path, bytes: &[u8]) -> Result<String, String> {
     read.map_err(|error| error.to_string())
 }
 
-/// Time of the processor that this thread has had; none where the system does not tell.
-fn processor_time() -> Option<Duration> {
-    let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
-    Some(Duration::from_nanos(text.split_whitespace().next()?.parse().ok()?))
-}
-
 /// An answer without names and numbers.
 fn kind(answer: &Result<String, String>) -> String {
     let text = answer.as_ref().unwrap_or_else(|words| words);
@@ -223,10 +219,8 @@ fn run(target: &Target, inputs: u64, time: Option<Duration>, seed: u64) -> usize
         let mut took = start.elapsed();
         if result.is_ok() && took > SLOW {
             // Another program may have had the machine: once more, by the time of the processor where it is known.
-            let (start, busy) = (Instant::now(), processor_time());
-            let _ = read(target, &path, &input);
-            let again = processor_time().zip(busy).map_or(start.elapsed(), |(now, then)| now - then);
-            took = took.min(again);
+            let (again, _) = timed_on_thread(|| read(target, &path, &input));
+            took = took.min(Duration::from_secs_f64(again));
         }
         slowest = slowest.max(took);
         accepted += u64::from(matches!(result, Ok(Ok(_))));
@@ -237,7 +231,7 @@ fn run(target: &Target, inputs: u64, time: Option<Duration>, seed: u64) -> usize
             std::fs::write(corpus.join(format!("{seed}-{k}.{}", target.ending)), &input).unwrap();
             own.push(input.clone());
         }
-        let large = k % 1000 == 0 && resident().is_some_and(|used| used > LARGEST);
+        let large = k % 1000 == 0 && memory_mb("VmRSS:") > LARGEST;
         if result.is_err() || took > SLOW || large {
             findings += 1;
             let name = format!("{}-{seed}-{k}.{}", target.name, target.ending);
@@ -247,13 +241,13 @@ fn run(target: &Target, inputs: u64, time: Option<Duration>, seed: u64) -> usize
     }
     println!(
         "{}: {done} inputs from seed {seed}, {:.0} a second, {accepted} read, {} refused, {} kinds of answers, {findings} findings, \
-         slowest {:.1} ms, {} MB, {:.0} s",
+         slowest {:.1} ms, {:.0} MB, {:.0} s",
         target.name,
         done as f64 / began.elapsed().as_secs_f64(),
         done - accepted,
         answers.len(),
         slowest.as_secs_f64() * 1e3,
-        resident().unwrap_or(0) / 1_000_000,
+        memory_mb("VmRSS:"),
         began.elapsed().as_secs_f64()
     );
     findings
@@ -314,10 +308,4 @@ fn spoiled(good: &[Vec<u8>], bad: &[Vec<u8>], rng: &mut ChaCha8Rng) -> Vec<u8> {
         }
     }
     bytes
-}
-
-fn resident() -> Option<u64> {
-    let status = std::fs::read_to_string("/proc/self/status").ok()?;
-    let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:"))?;
-    line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok().map(|k| 1024 * k)
 }

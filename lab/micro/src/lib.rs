@@ -1,5 +1,6 @@
 #![doc = include_str!("../README.md")]
 
+pub mod clock;
 /// The fits of the tests of `truepose-compensate`.
 #[path = "../../../crates/compensate/tests/all/fits/mod.rs"]
 #[allow(missing_docs, clippy::should_implement_trait, reason = "made for tests")]

@@ -10,10 +10,11 @@ pub struct Table {
 }
 
 impl Table {
-    /// In Markdown, with these heads.
-    pub fn markdown(heads: &[&str]) -> Self {
+    /// In Markdown, with heads separated by bars.
+    pub fn markdown(heads: &str) -> Self {
+        let heads: Vec<&str> = heads.split('|').collect();
         let mut table = Table { widths: None, text: String::new() };
-        table.line(heads);
+        table.line(&heads);
         table.line(&vec!["---"; heads.len()]);
         table
     }

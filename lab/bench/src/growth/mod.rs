@@ -66,7 +66,7 @@ pub fn run(figure: &Path) -> Outcome {
         std::fs::create_dir_all(folder)?;
     }
     figure::draw(figure, &by_rows, &by_unknowns)?;
-    clock::say_machine("one thread", load);
+    say_machine("one thread", load);
     say(&format!("written to {}", figure.display()));
     Ok(())
 }

@@ -99,17 +99,8 @@ fn judged(name: &str, a: &DMatrix<f64>, grade: f64) -> Result<Precision, SolveEr
 
 /// As a table.
 pub fn table(problems: &[Precision]) -> String {
-    let heads = [
-        "problem",
-        "κ",
-        "κ ε",
-        "least squares, qr",
-        "svd",
-        "covariance",
-        "rank",
-        "relations of the reduction",
-    ];
-    let mut table = Table::markdown(&heads);
+    let mut table =
+        Table::markdown("problem|κ|κ ε|least squares, qr|svd|covariance|rank|relations of the reduction");
     for p in problems {
         let rank = if p.rank == 0 { "right".to_owned() } else { format!("{:+}", p.rank) };
         let numbers = [p.condition, p.condition * f64::EPSILON, p.qr, p.svd, p.covariance, p.relation];

@@ -65,7 +65,7 @@ pub fn coverage(records: &[Record], what: &str) -> Option<Coverage> {
 
 /// A table of intervals.
 fn intervals(head: &str) -> Table {
-    Table::markdown(&[head, "robots", "intervals", "contain the truth", ""])
+    Table::markdown(&format!("{head}|robots|intervals|contain the truth|"))
 }
 
 fn row(table: &mut Table, what: &str, c: &Coverage, most: f64) {
@@ -109,13 +109,9 @@ pub fn found(records: &[Discovered]) -> String {
 
 /// p-values where nothing is missing, against the uniform distribution.
 pub fn nulls(records: &[Record], screened: &[Discovered]) -> String {
-    let mut table = Table::markdown(&[
-        "p-values where nothing is missing",
-        "robots",
-        "largest distance from the uniform distribution",
-        "probability of a larger one (Kolmogorov, Smirnov)",
-        "below 5 %",
-    ]);
+    let mut table = Table::markdown(
+        "p-values where nothing is missing|robots|largest distance from the uniform distribution|probability of a larger one (Kolmogorov, Smirnov)|below 5 %",
+    );
     let lack: Vec<f64> = records.iter().map(|r| r.lack_of_fit).filter(|p| p.is_finite()).collect();
     let screen: Vec<f64> = screened.iter().filter(|r| r.ended()).map(first_p).collect();
     for (what, values) in [("lack of fit", lack), ("`discover`, family-wise p of its first screen", screen)] {

@@ -65,9 +65,8 @@ fn by_cause<'a>(here: &[&'a Record], causes: &[Cause]) -> Vec<Group<'a>> {
 
 /// A row for each group that has records: its name, their number, and the columns.
 fn table(head: &str, groups: &[Group<'_>], columns: &[Column]) -> String {
-    let mut heads = vec![head, "robots"];
-    heads.extend(columns.iter().map(|(head, _)| *head));
-    let mut table = Table::markdown(&heads);
+    let heads: String = columns.iter().map(|(head, _)| format!("|{head}")).collect();
+    let mut table = Table::markdown(&format!("{head}|robots{heads}"));
     for (name, mine) in groups.iter().filter(|(_, mine)| !mine.is_empty()) {
         let mut cells = vec![name.clone(), mine.len().to_string()];
         cells.extend(columns.iter().map(|(_, cell)| cell(mine)));
@@ -204,8 +203,8 @@ fn names(records: &[&Record]) -> Outcome<String> {
     }
     // A version that reports no probabilities is never confident.
     let reported = !events(records).is_empty();
-    let wrong = "confidently wrong (above 0.9, the truth not listed)";
-    let mut table = Table::markdown(&["names", "robots", "Brier score", wrong]);
+    let mut table =
+        Table::markdown("names|robots|Brier score|confidently wrong (above 0.9, the truth not listed)");
     for (name, mine) in [("inside the vocabulary", &inside), ("without a word", &outside)] {
         let score = brier(&events(mine)).map_or("–".into(), |score| fixed(score, 3));
         let wrong = Fraction::of(mine.iter().filter(|_| reported).filter_map(|r| r.yes("confident_wrong")));
@@ -214,7 +213,7 @@ fn names(records: &[&Record]) -> Outcome<String> {
     let mut text = table.text();
     let every: Vec<(f64, bool)> = events(&inside).into_iter().chain(events(&outside)).collect();
     if !every.is_empty() {
-        let mut table = Table::markdown(&["probability reported", "mean", "came true"]);
+        let mut table = Table::markdown("probability reported|mean|came true");
         let edges = [0.0, 0.05, 0.2, 0.5, 0.8, 0.95, 1.0];
         for (pair, (mean, hits)) in edges.windows(2).zip(calibration(&every, &edges)) {
             table.row(&[&format!("{} to {}", pair[0], pair[1]), &fixed(mean, 2), &hits]);
@@ -256,8 +255,7 @@ fn verdicts(records: &[&Record]) -> String {
     if judged.is_empty() {
         return String::new();
     }
-    let heads = ["truth", "robots", "adequate", "undecided", "unexplained", "not reported", "as required"];
-    let mut table = Table::markdown(&heads);
+    let mut table = Table::markdown("truth|robots|adequate|undecided|unexplained|not reported|as required");
     let something = select(&judged, |record| record.number("left") > Some(LEFT[0]));
     let nothing = select(&judged, |record| record.number("left") < Some(LEFT[1]));
     for (name, mine, right) in [
@@ -274,7 +272,7 @@ fn verdicts(records: &[&Record]) -> String {
 }
 
 fn intervals(records: &[&Record]) -> String {
-    let mut table = Table::markdown(&["95 % interval of", "contains the truth"]);
+    let mut table = Table::markdown("95 % interval of|contains the truth");
     for (name, column) in [
         ("the held-out error before", "before_covered"),
         ("the held-out error after", "after_covered"),
@@ -324,9 +322,9 @@ fn screen(records: &[&Record]) -> String {
     }
     let (distance, probability) = uniformity(&p);
     let below = Fraction::of(p.iter().map(|p| *p < 0.05));
-    let head = "p of the first screen, nothing hidden";
-    let more = ["distance from uniform", "probability of a larger one", "below 0.05", "median"];
-    let mut table = Table::markdown(&[[head, "robots"].as_slice(), &more].concat());
+    let mut table = Table::markdown(
+        "p of the first screen, nothing hidden|robots|distance from uniform|probability of a larger one|below 0.05|median",
+    );
     let (distance, probability) = (fixed(distance, 3), fixed(probability, 2));
     table.row(&[&"null", &p.len(), &distance, &probability, &below, &fixed(upper_median(p.clone()), 2)]);
     table.text()
