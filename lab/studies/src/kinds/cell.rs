@@ -27,62 +27,43 @@ pub enum Kind {
 }
 
 /// What is wrong with one of them.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Fault {
-    #[value(name = "a socket moved by 0.5 mm")]
-    SocketMoved,
-    #[value(name = "a wire 0.2 % too long")]
-    WireGain,
-    #[value(name = "a plate bowed by 0.4 mm")]
-    PlateBowed,
-    #[value(name = "a ball 0.4 mm too large")]
-    BallRadius,
-    #[value(name = "a gauge 0.2 % too steep")]
-    GaugeGain,
-    #[value(name = "a series moved by 0.5 mm")]
-    SeriesMoved,
-    #[value(name = "focal length of a camera 1 % off")]
-    CameraLens,
-    #[value(name = "focal length on the robot 1 % off")]
-    EyeLens,
-    #[value(name = "the camera on the robot moved by 1 mm")]
-    EyeMoved,
-    #[value(name = "one row names another socket")]
-    Misnamed,
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Fault {
+    pub kind: Kind,
+    /// The landmark that has it, and the word that the program has for it.
+    pub landmark: &'static str,
+    pub what: &'static str,
+    pub word: &'static str,
+    /// Lines of the landmark in the plant; `HALF` is the middle of the campaign, s.
+    lines: &'static str,
 }
 
-impl Fault {
-    /// The kind that has it, the landmark, and the word that the program has for it.
-    pub fn place(self) -> (Kind, &'static str, &'static str) {
-        match self {
-            Fault::SocketMoved => (Kind::Sockets, "S3", "moved"),
-            Fault::WireGain => (Kind::Wires, "W2", "gain and offset"),
-            Fault::PlateBowed => (Kind::Plates, "P1", "flatness"),
-            Fault::BallRadius => (Kind::Balls, "B2", "radius"),
-            Fault::GaugeGain => (Kind::Gauges, "G1", "gain"),
-            Fault::SeriesMoved => (Kind::Series, "R1", "moved"),
-            Fault::CameraLens => (Kind::Cameras, "C1", "lens"),
-            Fault::EyeLens => (Kind::Eye, "eye", "lens"),
-            Fault::EyeMoved => (Kind::Eye, "eye", "moved"),
-            Fault::Misnamed => (Kind::Sockets, "S3", "row"),
-        }
-    }
+const fn fault(kind: Kind, [landmark, what, word]: [&'static str; 3], lines: &'static str) -> Fault {
+    Fault { kind, landmark, what, word, lines }
+}
 
-    /// Lines of the plant for a thing of this name.
-    fn lines(self, name: &str, half_s: f64) -> String {
-        let moved = |by: &str| format!("moved = {{ when_s = {half_s}, xyz_mm = [{by}] }}\n");
-        match self {
-            _ if self.place().1 != name => String::new(),
-            Fault::SocketMoved | Fault::SeriesMoved => moved("0.4, 0.3, 0"),
-            Fault::EyeMoved => moved("0.8, -0.6, 0"),
-            Fault::WireGain | Fault::GaugeGain => "gain = 1.002\n".into(),
-            Fault::PlateBowed => "bow_mm = 0.4\n".into(),
-            Fault::BallRadius => "radius_mm = 300.4\n".into(),
-            Fault::CameraLens => "fx = 1616\nfy = 1616\n".into(),
-            Fault::EyeLens => "fx = 909\nfy = 909\n".into(),
-            Fault::Misnamed => String::new(),
-        }
-    }
+const MOVED: &str = "moved = { when_s = HALF, xyz_mm = [0.4, 0.3, 0] }\n";
+const MOVED_EYE: &str = "moved = { when_s = HALF, xyz_mm = [0.8, -0.6, 0] }\n";
+
+impl Fault {
+    pub const EYE_LENS: Fault =
+        fault(Kind::Eye, ["eye", "lens", "focal length on the robot 1 % off"], "fx = 909\nfy = 909\n");
+    pub const EYE_MOVED: Fault =
+        fault(Kind::Eye, ["eye", "moved", "the camera on the robot moved by 1 mm"], MOVED_EYE);
+    pub const MISNAMED: Fault = fault(Kind::Sockets, ["S3", "row", "one row names another socket"], "");
+
+    pub const ALL: [Fault; 10] = [
+        fault(Kind::Sockets, ["S3", "moved", "a socket moved by 0.5 mm"], MOVED),
+        fault(Kind::Wires, ["W2", "gain and offset", "a wire 0.2 % too long"], "gain = 1.002\n"),
+        fault(Kind::Plates, ["P1", "flatness", "a plate bowed by 0.4 mm"], "bow_mm = 0.4\n"),
+        fault(Kind::Balls, ["B2", "radius", "a ball 0.4 mm too large"], "radius_mm = 300.4\n"),
+        fault(Kind::Gauges, ["G1", "gain", "a gauge 0.2 % too steep"], "gain = 1.002\n"),
+        fault(Kind::Series, ["R1", "moved", "a series moved by 0.5 mm"], MOVED),
+        fault(Kind::Cameras, ["C1", "lens", "focal length of a camera 1 % off"], "fx = 1616\nfy = 1616\n"),
+        Fault::EYE_LENS,
+        Fault::EYE_MOVED,
+        Fault::MISNAMED,
+    ];
 }
 
 /// How wrong the arm is, and how well everything measures.
@@ -160,7 +141,9 @@ pub fn made(kinds: &[Kind], fault: Option<Fault>, size: Size, seed: u64) -> Outc
     }
     for thing in &things {
         text += &thing.toml;
-        text += &fault.map_or(String::new(), |fault| fault.lines(&thing.name, half_s));
+        if let Some(fault) = fault.filter(|fault| fault.landmark == thing.name) {
+            text += &fault.lines.replace("HALF", &half_s.to_string());
+        }
     }
     let mut described = Surroundings {
         landmarks: things.iter().map(|thing| thing.known.clone()).collect(),
@@ -176,7 +159,7 @@ pub fn made(kinds: &[Kind], fault: Option<Fault>, size: Size, seed: u64) -> Outc
     let plant = description.plant_in(&chain, &described)?;
     let campaign = description.campaign_of(&plant, seed)?;
     let mut data = plant.observe(&campaign, seed)?.data;
-    if fault == Some(Fault::Misnamed) {
+    if fault == Some(Fault::MISNAMED) {
         // The first row of one socket names the next.
         let (from, to) = (number("S2"), number("S3"));
         let mut of_row: Vec<Option<usize>> = (0..data.len()).map(|row| data.landmark(row)).collect();

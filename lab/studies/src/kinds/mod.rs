@@ -84,7 +84,7 @@ fn fell(seed: u64) -> Outcome<Vec<Fell>> {
     let sound = Kind::all().iter().map(|&kind| alone(kind, None)).collect::<Result<Vec<f64>, _>>()?;
     let of = |fault: Fault| {
         let all = Trial::of(Kind::all(), Some(fault), Size::default(), seed)?;
-        let (kind, name, what) = fault.place();
+        let Fault { kind, landmark: name, what, .. } = fault;
         let with_it = alone(kind, Some(fault))?;
         let others = Kind::all().iter().zip(&sound).filter(|(other, _)| **other != kind);
         let best = others.map(|(_, accuracy)| *accuracy).fold(with_it, f64::min);
@@ -97,7 +97,7 @@ fn fell(seed: u64) -> Outcome<Vec<Fell>> {
             ratio: all.accuracy()? / best,
         })
     };
-    Fault::all().iter().copied().map(of).collect()
+    Fault::ALL.into_iter().map(of).collect()
 }
 
 fn faults(asked: &Asked) -> Outcome<String> {
@@ -105,13 +105,13 @@ fn faults(asked: &Asked) -> Outcome<String> {
     let mut text = String::from(
         "fault                                   named   something else   over 5 % worse than the best alone   median ratio\n",
     );
-    for (k, fault) in Fault::all().iter().enumerate() {
+    for (k, fault) in Fault::ALL.iter().enumerate() {
         let all: Vec<&Fell> = of_robots.iter().map(|robot| &robot[k]).collect();
         let count = |of: &dyn Fn(&Fell) -> bool| all.iter().filter(|fell| of(fell)).count();
         let (named, worse) = (count(&|fell| fell.named), count(&|fell| fell.ratio > 1.05));
         let others = count(&|fell| !fell.others.is_empty());
         let middle = upper_median(all.iter().map(|fell| fell.ratio));
-        writeln!(text, "{:39} {named:5}   {others:14}   {worse:34}   {middle:12.2}", fault.word())?;
+        writeln!(text, "{:39} {named:5}   {others:14}   {worse:34}   {middle:12.2}", fault.word)?;
         let mut words: Vec<&str> = all.iter().flat_map(|fell| &fell.others).map(String::as_str).collect();
         words.sort_unstable();
         words.dedup();
@@ -126,8 +126,8 @@ fn faults(asked: &Asked) -> Outcome<String> {
 const EYE: [(&str, Option<Fault>, f64); 4] = [
     ("nothing", None, 0.0),
     ("arm: a gear of 1 mrad", None, 1.0),
-    ("camera: focal length 1 % off", Some(Fault::EyeLens), 0.0),
-    ("mounting: moved by 1 mm", Some(Fault::EyeMoved), 0.0),
+    ("camera: focal length 1 % off", Some(Fault::EYE_LENS), 0.0),
+    ("mounting: moved by 1 mm", Some(Fault::EYE_MOVED), 0.0),
 ];
 
 fn eye(asked: &Asked) -> Outcome<String> {
@@ -179,7 +179,7 @@ mod tests {
             Trial::of(&[Kind::Eye], fault, size, 8).unwrap().suspects().unwrap()
         };
         assert_eq!(told(None, 1.0), []);
-        let moved = told(Some(Fault::EyeMoved), 0.0);
+        let moved = told(Some(Fault::EYE_MOVED), 0.0);
         assert_eq!((moved.len(), moved[0].name.as_str(), moved[0].what), (1, "eye", "moved"), "{moved:?}");
         assert!((moved[0].values[0].1 - 8e-4).abs() < 3e-4 && (moved[0].values[1].1 + 6e-4).abs() < 3e-4);
     }
@@ -187,7 +187,7 @@ mod tests {
     #[test]
     fn a_camera_that_moved_does_not_make_the_arm_another_one() {
         // As far as straight lines go, this arm is likelier wrong by 0.9 m than its camera's rows by what they are.
-        let trial = Trial::of(&[Kind::Eye], Some(Fault::EyeMoved), Size::default(), 24).unwrap();
+        let trial = Trial::of(&[Kind::Eye], Some(Fault::EYE_MOVED), Size::default(), 24).unwrap();
         assert!(trial.touched.arm_is_held);
         let moved = trial.suspects().unwrap();
         assert_eq!((moved.len(), moved[0].name.as_str(), moved[0].what), (1, "eye", "moved"), "{moved:?}");
