@@ -5,8 +5,15 @@
 
 use super::record::{Figure, Record};
 use super::robots::Robot;
-use super::verbs::Fits;
 use crate::prelude::*;
+
+/// Fits of one robot, as far as there are any.
+#[derive(Default)]
+pub struct Fits {
+    pub nominal: Option<FittedModel>,
+    pub constants: Option<FittedModel>,
+    pub discover: Option<FittedModel>,
+}
 
 /// Drives the plant with each fit's commands.
 pub fn execute(robot: &Robot, fits: &Fits, record: &mut Record) {

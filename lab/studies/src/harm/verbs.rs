@@ -9,6 +9,7 @@
 //! | export | geometry of the fit of `discover` as a controller takes it; base, tool and targets fitted to the rows before they were spoiled |
 //! | written | the same as it is in the file |
 
+use super::executed::{Fits, execute};
 use super::record::{Figure, Record};
 use super::robots::Robot;
 use crate::prelude::*;
@@ -28,14 +29,6 @@ pub enum Verb {
     Discover,
     Export,
     Compensate,
-}
-
-/// Fits of one robot, as far as there are any.
-#[derive(Default)]
-pub struct Fits {
-    pub nominal: Option<FittedModel>,
-    pub constants: Option<FittedModel>,
-    pub discover: Option<FittedModel>,
 }
 
 /// All verbs that are requested.
@@ -95,7 +88,7 @@ pub fn run(robot: &Robot, verbs: &[Verb]) -> Record {
         }
     }
     if verbs.contains(&Verb::Compensate) {
-        super::executed::execute(robot, &fits, &mut record);
+        execute(robot, &fits, &mut record);
     }
     record
 }

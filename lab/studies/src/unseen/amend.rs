@@ -31,7 +31,7 @@
 //! The noise is that of the joints. All parts but masses and hardening have one scale, so that together they have the wanted size.
 
 use super::cause::{Cause, PARTS, PAUSE, SIDES};
-use super::hidden::Hidden;
+use super::hidden::{Hidden, Piece, Share};
 use crate::prelude::*;
 use std::f64::consts::TAU;
 use truepose_simulate::physics::bridge::{Bridge, Ram};
@@ -233,53 +233,6 @@ impl Hidden {
 pub const POSES: [usize; 3] = [150, 300, 1000];
 /// What all of it leaves of the declared model, over the noise of a row.
 pub const SIZES: [f64; 2] = [4.0, 12.0];
-
-/// What there is one of for each joint, or for the robot.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Share {
-    Gears,
-    Friction,
-    Hardening,
-    Masses,
-    Drift,
-}
-
-/// One of the causes.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Piece {
-    pub share: Share,
-    /// Place and name of the joint; none of the robot's.
-    pub joint: Option<(usize, String)>,
-}
-
-impl Piece {
-    /// Whether this is a right name for it.
-    pub fn is_named(&self, family: &str, joint: Option<&str>) -> bool {
-        let families: &[&str] = match self.share {
-            Share::Gears => &["transmission"],
-            Share::Friction => &["backlash"],
-            Share::Hardening => &["joint_compliance", "load_nonlinearity"],
-            Share::Masses => &["joint_compliance", "load_nonlinearity", "payload"],
-            Share::Drift => &["drift", "thermal", "shift"],
-        };
-        let here = self.joint.as_ref().is_none_or(|(_, name)| joint == Some(name.as_str()));
-        families.contains(&family) && here
-    }
-}
-
-/// All parts, of the robot's joints with their largest loads.
-pub fn pieces(chain: &Chain, loads: &[f64]) -> Vec<Piece> {
-    let largest = loads.iter().copied().fold(0.0, f64::max);
-    let mut pieces = Vec::new();
-    for (k, &joint) in chain.movable().iter().enumerate() {
-        let loaded = loads[k] > 0.1 * largest;
-        let shares = [Share::Gears, Share::Friction, Share::Hardening];
-        let of_joint = |share| Piece { share, joint: Some((joint.index(), name_of(chain, joint))) };
-        pieces.extend(shares[..if loaded { 3 } else { 2 }].iter().copied().map(of_joint));
-    }
-    pieces.extend([Share::Masses, Share::Drift].map(|share| Piece { share, joint: None }));
-    pieces
-}
 
 impl Hidden {
     /// Errors of all parts, or of the one that is there alone.

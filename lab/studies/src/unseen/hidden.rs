@@ -3,7 +3,6 @@
 //! The effect that is right for a cause of the vocabulary, as someone declares it who knows its place: nonlinear parameters are left free
 //! within wide ranges.
 
-use super::amend::{Piece, Share, pieces};
 use super::cause::Cause;
 use super::robots::Robot;
 use crate::prelude::*;
@@ -26,6 +25,53 @@ pub(super) struct Movable {
     pub load: f64,
     pub travel: [f64; 2],
     pub turns: bool,
+}
+
+/// What there is one of for each joint, or for the robot.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Share {
+    Gears,
+    Friction,
+    Hardening,
+    Masses,
+    Drift,
+}
+
+/// One of the causes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Piece {
+    pub share: Share,
+    /// Place and name of the joint; none of the robot's.
+    pub joint: Option<(usize, String)>,
+}
+
+impl Piece {
+    /// Whether this is a right name for it.
+    pub fn is_named(&self, family: &str, joint: Option<&str>) -> bool {
+        let families: &[&str] = match self.share {
+            Share::Gears => &["transmission"],
+            Share::Friction => &["backlash"],
+            Share::Hardening => &["joint_compliance", "load_nonlinearity"],
+            Share::Masses => &["joint_compliance", "load_nonlinearity", "payload"],
+            Share::Drift => &["drift", "thermal", "shift"],
+        };
+        let here = self.joint.as_ref().is_none_or(|(_, name)| joint == Some(name.as_str()));
+        families.contains(&family) && here
+    }
+}
+
+/// All parts, of the robot's joints with their largest loads.
+pub fn pieces(chain: &Chain, loads: &[f64]) -> Vec<Piece> {
+    let largest = loads.iter().copied().fold(0.0, f64::max);
+    let mut pieces = Vec::new();
+    for (k, &joint) in chain.movable().iter().enumerate() {
+        let loaded = loads[k] > 0.1 * largest;
+        let shares = [Share::Gears, Share::Friction, Share::Hardening];
+        let of_joint = |share| Piece { share, joint: Some((joint.index(), name_of(chain, joint))) };
+        pieces.extend(shares[..if loaded { 3 } else { 2 }].iter().copied().map(of_joint));
+    }
+    pieces.extend([Share::Masses, Share::Drift].map(|share| Piece { share, joint: None }));
+    pieces
 }
 
 /// A cause at its place, with all numbers but its size.

@@ -3,10 +3,9 @@
 //! The noise of a row is taken from replicates of the campaign with other noise; bad poses, outliers and a moving station
 //! are no noise.
 
-use super::amend::Piece;
 use super::cause::Cause;
 use super::description::{Description, Order};
-use super::hidden::Hidden;
+use super::hidden::{Hidden, Piece};
 use super::robots::{Robot, robot};
 use super::stream::{Key, Part};
 use crate::prelude::*;

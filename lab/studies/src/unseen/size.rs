@@ -3,8 +3,7 @@
 //! The model is fitted to a dense noise-free campaign (`REFERENCE` poses, in the same order and time); the 3-D RMS of what
 //! remains is a multiple of the 3-D RMS of one row's noise. So it does not depend on how many poses are measured.
 
-use super::amend::Piece;
-use super::hidden::Hidden;
+use super::hidden::{Hidden, Piece};
 use super::plant::Ground;
 use super::stream::Part;
 use crate::prelude::*;

@@ -5,8 +5,7 @@
 use super::cause::Cause;
 use super::description::{Description, Kind};
 use super::plant::{Made, fresh_error, make};
-use super::reported::Record;
-use super::reported::{Effect, Name, Reported};
+use super::reported::{Effect, Name, Record, Reported};
 use super::size::without;
 use super::stream::Key;
 use crate::prelude::*;
@@ -272,7 +271,7 @@ const LARGEST: usize = 2;
 /// Fills the record's columns.
 fn judge_execution(made: &Made, reported: &Reported, fitted: &FittedModel, record: &mut Record) -> Outcome {
     let causes: Vec<_> = reported.effects.iter().filter(|effect| effect.is_cause()).collect();
-    let named = |piece: &super::amend::Piece| {
+    let named = |piece: &super::hidden::Piece| {
         causes.iter().any(|effect| piece.is_named(&effect.name.family, effect.name.joint.as_deref()))
     };
     let words: Vec<String> = made
