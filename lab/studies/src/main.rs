@@ -54,7 +54,7 @@ pub fn folder(study: &str) -> std::io::Result<PathBuf> {
 }
 
 /// The options of a study.
-pub fn asked<A: clap::Parser>(arguments: &[String]) -> Outcome<A> {
+pub fn parsed<A: clap::Parser>(arguments: &[String]) -> Outcome<A> {
     Ok(A::try_parse_from(std::iter::once("study").chain(arguments.iter().map(String::as_str)))?)
 }
 

@@ -7,7 +7,7 @@ pub use crate::simulated::*;
 pub use crate::stats::*;
 pub use crate::table::*;
 pub use crate::words::{Half, Word};
-pub use crate::{asked, folder, print};
+pub use crate::{folder, parsed, print};
 pub use clap::{Parser, ValueEnum};
 pub use rand::{RngExt, SeedableRng};
 pub use rand_chacha::ChaCha8Rng;

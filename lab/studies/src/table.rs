@@ -35,6 +35,8 @@ impl Table {
             Ok(width) => format!("{cell:>width$}"),
             Err(_) => format!("{cell:<width$}", width = width.unsigned_abs() as usize),
         };
+        let columns = self.widths.as_ref().map_or(cells.len(), Vec::len);
+        debug_assert!(cells.len() <= columns, "{} cells in {columns} columns: {cells:?}", cells.len());
         self.text += &match &self.widths {
             Some(widths) => cells.iter().zip(widths).map(padded).collect::<Vec<_>>().join(" "),
             None => format!("| {} |", cells.join(" | ")),

@@ -13,7 +13,7 @@ use crate::prelude::*;
 pub mod robots;
 mod trial;
 
-use trial::{Asked, Counts, Trial};
+use trial::{Counts, Request, Trial};
 
 /// Plants of each kind, and poses of each round trip.
 const PLANTS: u64 = 3;
@@ -35,7 +35,7 @@ struct Options {
 
 /// Runs the study.
 pub fn run(arguments: &[String]) -> Outcome {
-    let Options { only, visits, driven } = asked(arguments)?;
+    let Options { only, visits, driven } = parsed(arguments)?;
     let folder = folder("closed-loop")?;
     let mut executions = Table::columns(
         "robot -8|plant 6|ok 9|before mm 10|after µm 9|max µm 9|repeat µm 8|× before 8|× after 8|in band 9",
@@ -73,14 +73,14 @@ pub fn run(arguments: &[String]) -> Outcome {
             if plant > 0 || driven {
                 continue;
             }
-            for (asked, words, poses, seeded) in [
-                (Asked::Reachable, "seeded", POSES, true),
-                (Asked::Reachable, "no seed", POSES / 10, false),
-                (Asked::BeyondLimits, "limits", POSES / 100, true),
-                (Asked::Far, "far", POSES / 100, true),
+            for (request, words, poses, seeded) in [
+                (Request::Reachable, "seeded", POSES, true),
+                (Request::Reachable, "no seed", POSES / 10, false),
+                (Request::BeyondLimits, "limits", POSES / 100, true),
+                (Request::Far, "far", POSES / 100, true),
             ] {
                 let begun = Instant::now();
-                let c = trial.round_trip(asked, poses, seeded)?;
+                let c = trial.round_trip(request, poses, seeded)?;
                 let seconds = begun.elapsed().as_secs_f64();
                 let Counts { ok, unreachable, limit, not_converged, position, orientation, beyond } = c;
                 let head = [name.clone(), words.into()];
@@ -121,17 +121,17 @@ mod tests {
                 d.ratio()
             );
             (rows, within) = (rows + d.rows, within + d.within);
-            for (asked, seeded) in
-                [(Asked::Reachable, true), (Asked::BeyondLimits, true), (Asked::Far, false)]
+            for (request, seeded) in
+                [(Request::Reachable, true), (Request::BeyondLimits, true), (Request::Far, false)]
             {
-                let c = trial.round_trip(asked, 200, seeded).expect("round trips");
+                let c = trial.round_trip(request, 200, seeded).expect("round trips");
                 assert_eq!((c.all(), c.beyond), (200, 0));
                 assert!(c.position < 1e-9 && c.orientation < 1e-9, "{} {c:?}", robot.name);
-                match asked {
-                    Asked::Reachable => assert!(c.ok >= 199, "{} {c:?}", robot.name),
-                    Asked::Far => assert_eq!(c.ok, 0, "{} {c:?}", robot.name),
+                match request {
+                    Request::Reachable => assert!(c.ok >= 199, "{} {c:?}", robot.name),
+                    Request::Far => assert_eq!(c.ok, 0, "{} {c:?}", robot.name),
                     // Turns of more than a turn reach everything from within.
-                    Asked::BeyondLimits => assert!(c.limit > 2 || c.ok == 200, "{} {c:?}", robot.name),
+                    Request::BeyondLimits => assert!(c.limit > 2 || c.ok == 200, "{} {c:?}", robot.name),
                 }
             }
         }

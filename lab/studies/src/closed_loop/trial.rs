@@ -75,7 +75,7 @@ impl Counts {
 
 /// Which poses are requested.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Asked {
+pub enum Request {
     /// Where the model is at joints within their limits.
     Reachable,
     /// Tens of metres away.
@@ -139,20 +139,27 @@ impl Trial {
     }
 
     /// Commands to many poses, half of them with the heaviest payload, from the nominal joints or from nowhere.
-    pub fn round_trip(&self, asked: Asked, poses: usize, seeded: bool) -> Outcome<Counts> {
+    pub fn round_trip(&self, request: Request, poses: usize, seeded: bool) -> Outcome<Counts> {
         let schema = &self.measured.data.schema;
         Compensator::bind(&self.fitted, schema, CompensatorOptions::default())?;
         const CHUNK: usize = 2000;
         let chunk = |chunk: usize| {
             let count = CHUNK.min(poses - chunk * CHUNK);
-            self.some(asked, count, seeded, chunk as u64, schema)
+            self.some(request, count, seeded, chunk as u64, schema)
         };
         let chunks =
             (0..poses.div_ceil(CHUNK)).into_par_iter().map(chunk).collect::<Outcome<Vec<Counts>>>()?;
         Ok(chunks.into_iter().fold(Counts::default(), Counts::with))
     }
 
-    fn some(&self, asked: Asked, poses: usize, seeded: bool, chunk: u64, schema: &Schema) -> Outcome<Counts> {
+    fn some(
+        &self,
+        request: Request,
+        poses: usize,
+        seeded: bool,
+        chunk: u64,
+        schema: &Schema,
+    ) -> Outcome<Counts> {
         let chain = self.fitted.chain();
         let mut rng = ChaCha8Rng::seed_from_u64(99);
         rng.set_stream(chunk);
@@ -164,10 +171,10 @@ impl Trial {
         for k in 0..poses {
             let mut conditions = middle.clone();
             conditions.load = if k % 2 == 0 { Load::None } else { self.payload };
-            conditions.joints = draw(chain, asked, &mut rng);
+            conditions.joints = draw(chain, request, &mut rng);
             let target = (!chain.targets().is_empty()).then(|| TargetId(k % chain.targets().len()));
             let mut wanted = predictor.predict(&conditions, target);
-            if asked == Asked::Far {
+            if request == Request::Far {
                 let way = Vector3::from_fn(|_, _| rng.random::<f64>() - 0.5).normalize();
                 wanted.translation += way * (30.0 + 30.0 * rng.random::<f64>());
             }
@@ -201,7 +208,7 @@ impl Trial {
     }
 }
 
-fn draw(chain: &Chain, asked: Asked, rng: &mut ChaCha8Rng) -> Vec<f64> {
+fn draw(chain: &Chain, request: Request, rng: &mut ChaCha8Rng) -> Vec<f64> {
     let range = |&joint: &_| {
         let joint: &Joint = chain.joint(joint);
         let widest = if joint.kind == JointKind::Prismatic { 1.0 } else { std::f64::consts::PI };
@@ -215,7 +222,7 @@ fn draw(chain: &Chain, asked: Asked, rng: &mut ChaCha8Rng) -> Vec<f64> {
             0.5 * (lower + upper) + share * (upper - lower)
         })
         .collect();
-    if asked == Asked::BeyondLimits {
+    if request == Request::BeyondLimits {
         let k = rng.random_range(0..joints.len());
         let (lower, upper) = ranges[k];
         let over = (0.02 + 0.2 * rng.random::<f64>()) * (upper - lower);

@@ -30,7 +30,7 @@ const WITHOUT: f64 = 4.0;
 
 /// The options of the run.
 #[derive(Parser)]
-struct Asked {
+struct Options {
     /// 12 nulls, one robot a cell at 1 and 4 times the detectable size.
     #[arg(long)]
     short: bool,
@@ -56,54 +56,54 @@ struct Asked {
 
 /// Runs the study.
 pub fn run(arguments: &[String]) -> Outcome {
-    let mut asked: Asked = asked(arguments)?;
-    if let [word, seed, multiple] = &asked.one[..] {
+    let mut options: Options = parsed(arguments)?;
+    if let [word, seed, multiple] = &options.one[..] {
         let cause = if word == "none" { None } else { Some(HiddenEffect::from_str(word, false)?) };
         let (seed, multiple) = (seed.parse()?, multiple.parse()?);
-        return one(&Task { cause, multiple, seed, without: asked.without });
+        return one(&Task { cause, multiple, seed, without: options.without });
     }
-    if asked.multiples.is_empty() {
-        asked.multiples = if asked.short { vec![1.0, 4.0] } else { MULTIPLES.to_vec() };
+    if options.multiples.is_empty() {
+        options.multiples = if options.short { vec![1.0, 4.0] } else { MULTIPLES.to_vec() };
     }
-    if asked.causes.is_empty() {
-        asked.causes = HiddenEffect::all().to_vec();
+    if options.causes.is_empty() {
+        options.causes = HiddenEffect::all().to_vec();
     }
-    let (folder, commit) = asked.kept.open("discovery")?;
-    let wanted = |part: &str| asked.part.as_deref().is_none_or(|only| only == part);
+    let (folder, commit) = options.kept.open("discovery")?;
+    let wanted = |part: &str| options.part.as_deref().is_none_or(|only| only == part);
     let mut text = format!("commit {commit}\n\n");
     let mut journal: Journal<Record> = Journal::open(&folder, "nulls", &commit)?;
     if wanted("nulls") {
         let task = |seed| Task { cause: None, multiple: 0.0, seed, without: false };
-        work(&mut journal, (0..asked.nulls).map(task))?;
+        work(&mut journal, (0..options.nulls).map(task))?;
     }
     text += &summary::nulls(&journal.records)?;
 
     let mut journal: Journal<Record> = Journal::open(&folder, "power", &commit)?;
     if wanted("power") {
         // All cells first, then the next robot of each.
-        let tasks = (0..asked.robots).flat_map(|seed| {
-            let causes = &asked.causes;
-            asked.multiples.iter().flat_map(move |&multiple| {
+        let tasks = (0..options.robots).flat_map(|seed| {
+            let causes = &options.causes;
+            options.multiples.iter().flat_map(move |&multiple| {
                 causes.iter().map(move |&cause| Task { cause: Some(cause), multiple, seed, without: false })
             })
         });
         work(&mut journal, tasks)?;
     }
-    text += &format!("\n{}", summary::power(&journal.records, &asked.multiples)?);
+    text += &format!("\n{}", summary::power(&journal.records, &options.multiples)?);
     text += &format!("\n{}", summary::confusion_text(&journal.records)?);
     text += &format!("\n{}", summary::coverage(&journal.records)?);
 
     let mut journal: Journal<Record> = Journal::open(&folder, "several", &commit)?;
     if wanted("several") {
-        trial::work_several(&mut journal, SEVERAL * asked.robots)?;
+        trial::work_several(&mut journal, SEVERAL * options.robots)?;
     }
     text += &format!("\n{}", trial::summary_of_several(&journal.records)?);
 
     let mut journal: Journal<Record> = Journal::open(&folder, "without", &commit)?;
     if wanted("without") {
-        let tasks = (0..asked.robots).flat_map(|seed| {
+        let tasks = (0..options.robots).flat_map(|seed| {
             let causes =
-                asked.causes.iter().filter(|c| !matches!(c, HiddenEffect::Outliers | HiddenEffect::Wobble));
+                options.causes.iter().filter(|c| !matches!(c, HiddenEffect::Outliers | HiddenEffect::Wobble));
             causes.map(move |&cause| Task { cause: Some(cause), multiple: WITHOUT, seed, without: true })
         });
         work(&mut journal, tasks)?;

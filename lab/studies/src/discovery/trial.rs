@@ -201,29 +201,30 @@ fn judged_several(seed: u64, mut record: Record) -> Outcome<Record> {
     let options = DiscoverOptions { holdout: Some(HOLDOUT.0), seed: HOLDOUT.1, ..DiscoverOptions::default() };
     let begun = Instant::now();
     let data = &made.seen.data;
-    let told = diagnose(&made.chain, &made.declared, data, &PivotedQr::default(), &options, &|_| ())?;
+    let diagnosis = diagnose(&made.chain, &made.declared, data, &PivotedQr::default(), &options, &|_| ())?;
     record.seconds = begun.elapsed().as_secs_f64();
     record.robot.clone_from(&made.robot);
     record.visits = data.visit.iter().max().map_or(0, |last| last + 1);
-    let tells = |finding: &Finding, k: usize| {
+    let names = |finding: &Finding, k: usize| {
         let (cause, hidden) = &hidden[k];
         is_named(*cause, finding.candidate.family) && is_there(&hidden.place, &finding.candidate.place)
     };
-    let of_any = |finding: &&Finding| (0..hidden.len()).any(|k| tells(finding, k));
-    let named = (0..hidden.len()).filter(|&k| told.findings.iter().any(|finding| tells(finding, k))).count();
+    let of_any = |finding: &&Finding| (0..hidden.len()).any(|k| names(finding, k));
+    let named =
+        (0..hidden.len()).filter(|&k| diagnosis.findings.iter().any(|finding| names(finding, k))).count();
     record.found = named == hidden.len();
-    record.findings = told.findings.len();
-    record.extras = told.findings.iter().filter(|finding| !of_any(finding)).count();
-    if let Some(first) = told.findings.first() {
+    record.findings = diagnosis.findings.len();
+    record.extras = diagnosis.findings.iter().filter(|finding| !of_any(finding)).count();
+    if let Some(first) = diagnosis.findings.first() {
         record.first = first.candidate.family.word().into();
         record.first_right = of_any(&first);
         record.p_first = first.p_value;
     }
-    (record.p_value, record.significant) = (told.unexplained.p_value, told.unexplained.significant);
-    (record.ratio, record.ratio_before) = ratios(&made, &told);
+    (record.p_value, record.significant) = (diagnosis.unexplained.p_value, diagnosis.unexplained.significant);
+    (record.ratio, record.ratio_before) = ratios(&made, &diagnosis);
     let truth: Vec<String> =
         hidden.iter().map(|(cause, hidden)| format!("{} {}", cause.word(), hidden.place.words())).collect();
-    let words: Vec<String> = told.findings.iter().map(|finding| finding.candidate.words()).collect();
+    let words: Vec<String> = diagnosis.findings.iter().map(|finding| finding.candidate.words()).collect();
     record.story =
         plain(&format!("{named} of {} truth {}: {}", hidden.len(), truth.join("; "), words.join("; ")));
     Ok(record)

@@ -22,7 +22,7 @@ const INSTRUMENT: f64 = 10.0;
 const CYCLES: usize = 30;
 /// Cycles that stand for all.
 const MANY: usize = 20_000;
-/// The range that is asked for.
+/// The required range.
 const WANTED: [f64; 2] = [0.94, 0.97];
 
 /// How often bounds held, and of how many.
@@ -36,14 +36,14 @@ struct Held {
 
 /// The options of the run.
 #[derive(Parser)]
-struct Asked {
+struct Options {
     #[arg(long, default_value_t = 2000)]
     robots: u64,
 }
 
 /// Runs the study.
 pub fn run(arguments: &[String]) -> Outcome {
-    let Asked { robots } = asked(arguments)?;
+    let Options { robots } = parsed(arguments)?;
     let chain = samples::ur10();
     let scatter = scatter(&chain)?;
     let one = |seed| one(&chain, seed, scatter);

@@ -21,8 +21,9 @@ pub fn execute(robot: &Robot, fits: &Fits, record: &mut Record) {
     let Some(wanted) = record.attempt("compensate", || wanted(robot, nominal)) else { return };
     let mut reached = vec![true; wanted.len()];
     let mut ends: Vec<(Figure, Vec<Vector3<f64>>)> = Vec::new();
-    let as_asked = (0..wanted.len()).map(|k| Some(robot.truth.conditions(robot.asked()[k]).joints)).collect();
-    let mut all: Vec<(Figure, Commands)> = vec![(Figure::DriveNominal, as_asked)];
+    let as_requested =
+        (0..wanted.len()).map(|k| Some(robot.truth.conditions(robot.requested()[k]).joints)).collect();
+    let mut all: Vec<(Figure, Commands)> = vec![(Figure::DriveNominal, as_requested)];
     for (figure, fitted) in
         [(Figure::DriveConstants, &fits.constants), (Figure::DriveDiscover, &fits.discover)]
     {
@@ -35,7 +36,7 @@ pub fn execute(robot: &Robot, fits: &Fits, record: &mut Record) {
         commands.iter().zip(&mut reached).for_each(|(command, reached)| *reached &= command.is_some());
         let joints = commands.into_iter().enumerate().map(|(k, command)| {
             // A pose without a command is passed over: the robot goes where it was measured.
-            command.unwrap_or_else(|| robot.truth.conditions(robot.asked()[k]).joints)
+            command.unwrap_or_else(|| robot.truth.conditions(robot.requested()[k]).joints)
         });
         if let Some(found) = record.attempt("plant", || robot.ends(joints.collect())) {
             ends.push((figure, found));
@@ -64,7 +65,7 @@ fn wanted(robot: &Robot, nominal: &FittedModel) -> Outcome<Vec<Goal>> {
         let at = Goal::at(pose.translation).of(robot.executed);
         if turned { at.turned(pose.rotation) } else { at }
     };
-    Ok(robot.asked().into_iter().map(one).collect())
+    Ok(robot.requested().into_iter().map(one).collect())
 }
 
 /// The commands of `compensate` to these poses, searched from the nominal ones.
@@ -76,5 +77,5 @@ fn commands(robot: &Robot, fitted: &FittedModel, wanted: &[Goal]) -> Outcome<Com
         let command = compensator.command(wanted, &conditions, Some(&conditions.joints));
         (command.status == Status::Ok).then(|| command.joints.to_vec())
     };
-    Ok(robot.asked().into_iter().zip(wanted).map(&mut one).collect())
+    Ok(robot.requested().into_iter().zip(wanted).map(&mut one).collect())
 }

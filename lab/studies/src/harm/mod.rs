@@ -47,7 +47,7 @@ struct Options {
 
 /// Runs the study.
 pub fn run(arguments: &[String]) -> Outcome {
-    let options: Options = asked(arguments)?;
+    let options: Options = parsed(arguments)?;
     let (folder, commit) = options.kept.open("harm")?;
     let part = if options.nested { "nested" } else { "harm" };
     let mut journal: Journal<Record> = Journal::open(&folder, part, &commit)?;

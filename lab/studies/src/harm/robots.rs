@@ -154,7 +154,7 @@ impl Robot {
     }
 
     /// Conditions of the fresh configurations as the verbs receive them: rows of the executed target, one a configuration.
-    pub fn asked(&self) -> Vec<usize> {
+    pub fn requested(&self) -> Vec<usize> {
         (0..self.truth.len()).filter(|&row| self.truth.target[row] == self.executed).collect()
     }
 
@@ -350,11 +350,11 @@ mod tests {
     fn truth_is_where_the_plant_ends_when_it_is_sent_there() {
         for number in 0..14 {
             let robot = Robot::of(number).expect("a robot");
-            let asked = robot.asked();
-            assert_eq!(asked.len(), FRESH);
-            let commands = asked.iter().map(|&row| robot.truth.conditions(row).joints).collect();
+            let requested = robot.requested();
+            assert_eq!(requested.len(), FRESH);
+            let commands = requested.iter().map(|&row| robot.truth.conditions(row).joints).collect();
             let ends = robot.ends(commands).expect("positions");
-            for (&row, end) in asked.iter().zip(&ends) {
+            for (&row, end) in requested.iter().zip(&ends) {
                 assert!((robot.truth.measured_position(row) - end).norm() < 1e-12, "{number}");
             }
         }

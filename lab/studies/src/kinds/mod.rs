@@ -7,7 +7,7 @@ use crate::prelude::*;
 mod cell;
 mod trial;
 
-use crate::parts::{self, Asked};
+use crate::parts::{self, Scope};
 use cell::{Fault, Kind, Size};
 use trial::Trial;
 use truepose_identify::Suspect;
@@ -17,16 +17,16 @@ const PARTS: [(&str, u64); 3] = [("together", 20), ("faults", 20), ("eye", 40)];
 
 /// Runs the study.
 pub fn run(arguments: &[String]) -> Outcome {
-    parts::run("kinds", &PARTS, arguments, |part, asked| match part {
-        "together" => together(asked),
-        "faults" => faults(asked),
-        _ => eye(asked),
+    parts::run("kinds", &PARTS, arguments, |part, scope| match part {
+        "together" => together(scope),
+        "faults" => faults(scope),
+        _ => eye(scope),
     })
 }
 
 /// The seed of a robot.
-fn seed(asked: &Asked, number: u64) -> u64 {
-    2 * number + u64::from(asked.locked)
+fn seed(scope: &Scope, number: u64) -> u64 {
+    2 * number + u64::from(scope.locked)
 }
 
 /// What a kind alone, or all together, came to with one robot.
@@ -43,11 +43,11 @@ fn figures(kinds: &[Kind], seed: u64) -> Outcome<Figures> {
     Ok(Figures { held, of, accuracy: trial.accuracy()? })
 }
 
-fn together(asked: &Asked) -> Outcome<String> {
+fn together(scope: &Scope) -> Outcome<String> {
     let mut sets: Vec<Vec<Kind>> = Kind::all().iter().map(|&kind| vec![kind]).collect();
     sets.push(Kind::all().to_vec());
-    let of_robots = asked.each(|number| {
-        let seed = seed(asked, number);
+    let of_robots = scope.each(|number| {
+        let seed = seed(scope, number);
         sets.iter().map(|set| figures(set, seed)).collect::<Result<Vec<_>, _>>()
     })?;
     let mut text = String::from(
@@ -100,8 +100,8 @@ fn fell(seed: u64) -> Outcome<Vec<Fell>> {
     Fault::ALL.into_iter().map(of).collect()
 }
 
-fn faults(asked: &Asked) -> Outcome<String> {
-    let of_robots = asked.each(|number| fell(seed(asked, number)))?;
+fn faults(scope: &Scope) -> Outcome<String> {
+    let of_robots = scope.each(|number| fell(seed(scope, number)))?;
     let mut text = String::from(
         "fault                                   named   something else   over 5 % worse than the best alone   median ratio\n",
     );
@@ -130,13 +130,13 @@ const EYE: [(&str, Option<Fault>, f64); 4] = [
     ("mounting: moved by 1 mm", Some(Fault::EYE_MOVED), 0.0),
 ];
 
-fn eye(asked: &Asked) -> Outcome<String> {
+fn eye(scope: &Scope) -> Outcome<String> {
     let mut text = String::from(
         "20 images            place within its 95 % interval   named lens   named moved   named nothing\n",
     );
     for (word, fault, gear) in EYE {
-        let all = asked.each(|number| {
-            let seed = seed(asked, number);
+        let all = scope.each(|number| {
+            let seed = seed(scope, number);
             let trial = Trial::of(&[Kind::Eye], fault, Size { gear, ..Size::default() }, seed)?;
             let within = match (fault, gear > 0.0) {
                 (None, false) => Some(trial.eye_within()?),
@@ -174,12 +174,12 @@ mod tests {
     #[test]
     fn an_arm_with_a_gear_error_is_not_taken_for_a_camera_that_moved() {
         // Of this arm two early images, at which the gear is far off, looked like a camera that moved after them.
-        let told = |fault, gear| {
+        let suspected = |fault, gear| {
             let size = Size { gear, ..Size::default() };
             Trial::of(&[Kind::Eye], fault, size, 8).unwrap().suspects().unwrap()
         };
-        assert_eq!(told(None, 1.0), []);
-        let moved = told(Some(Fault::EYE_MOVED), 0.0);
+        assert_eq!(suspected(None, 1.0), []);
+        let moved = suspected(Some(Fault::EYE_MOVED), 0.0);
         assert_eq!((moved.len(), moved[0].name.as_str(), moved[0].what), (1, "eye", "moved"), "{moved:?}");
         assert!((moved[0].values[0].1 - 8e-4).abs() < 3e-4 && (moved[0].values[1].1 + 6e-4).abs() < 3e-4);
     }

@@ -13,7 +13,7 @@ pub struct Trial {
     made: Made,
     found: Fit,
     pub(super) touched: Touched,
-    asked: (Vec<Kind>, Option<Fault>, Size, u64),
+    recipe: (Vec<Kind>, Option<Fault>, Size, u64),
 }
 
 /// Poses at which a fit is held against the plant.
@@ -32,12 +32,12 @@ impl Trial {
         let touched = touched(&made.chain, &declared, &made.data, &made.described, (&solver, &options))?;
         let model = ErrorModel::new(touched.chain.clone(), touched.effects.clone())?;
         let found = fit(&model, &touched.data, &solver, &touched.options(&options))?;
-        Ok(Trial { made, found, touched, asked: (kinds.to_vec(), fault, size, seed) })
+        Ok(Trial { made, found, touched, recipe: (kinds.to_vec(), fault, size, seed) })
     }
 
     /// The same without noise to speak of.
     pub fn quiet(&self) -> Outcome<Trial> {
-        let (kinds, fault, size, seed) = &self.asked;
+        let (kinds, fault, size, seed) = &self.recipe;
         Trial::of(kinds, *fault, Size { noise: QUIET * size.noise, ..*size }, *seed)
     }
 
@@ -45,18 +45,18 @@ impl Trial {
     pub fn accuracy(&self) -> Outcome<f64> {
         let robot = self.found.fitted.without_landmarks()?;
         let mut predictor = robot.bind(&Default::default())?;
-        let mut rng = ChaCha8Rng::seed_from_u64(self.asked.3 ^ 0x7071);
-        let (mut real, mut told) = (Vec::new(), Vec::new());
+        let mut rng = ChaCha8Rng::seed_from_u64(self.recipe.3 ^ 0x7071);
+        let (mut real, mut predicted) = (Vec::new(), Vec::new());
         for _ in 0..FRESH {
             let joints: Vec<f64> = (0..6).map(|_| rng.random_range(-2.0..2.0)).collect();
             let at = Conditions::at(&self.made.chain, &joints);
             real.push(self.made.plant.true_position(&at, None)?);
-            told.push(predictor.predict(&at, None).translation);
+            predicted.push(predictor.predict(&at, None).translation);
         }
         let count = FRESH as f64;
         let middle = |of: &[Vector3<f64>]| of.iter().sum::<Vector3<f64>>() / count;
-        let (a, b) = (middle(&real), middle(&told));
-        let pairs = || real.iter().zip(&told);
+        let (a, b) = (middle(&real), middle(&predicted));
+        let pairs = || real.iter().zip(&predicted);
         let cross: Matrix3<f64> = pairs().map(|(p, q)| (p - a) * (q - b).transpose()).sum();
         let turn = nearest_rotation(&cross).ok_or("the predicted points are no numbers")?;
         let squares: f64 = pairs().map(|(p, q)| (p - a - turn * (q - b)).norm_squared()).sum();

@@ -30,7 +30,7 @@ const RUNS: usize = 3;
 
 /// The options of the run.
 #[derive(Parser)]
-struct Asked {
+struct Options {
     #[arg(long, default_value_t = PLANTS)]
     plants: u64,
     /// Models with these words in their names.
@@ -40,7 +40,7 @@ struct Asked {
 
 /// Runs the study.
 pub fn run(arguments: &[String]) -> Outcome {
-    let Asked { plants, only } = asked(arguments)?;
+    let Options { plants, only } = parsed(arguments)?;
     let folder = folder("pps")?;
     let seeds = (0..plants).into_par_iter();
     let experiments = seeds.map(|seed| Experiment::new(100 + seed)).collect::<Outcome<Vec<_>>>()?;

@@ -34,7 +34,7 @@ const CLEAR: [f64; 2] = [4.0, 8.0];
 
 /// How many robots of each part.
 #[derive(Parser)]
-struct Asked {
+struct Options {
     /// 20 robots, 6 nulls; seconds.
     #[arg(long)]
     short: bool,
@@ -53,24 +53,24 @@ struct Asked {
 
 /// Runs the study.
 pub fn run(arguments: &[String]) -> Outcome {
-    let asked: Asked = asked(arguments)?;
-    if let Some(seed) = asked.one {
+    let options: Options = parsed(arguments)?;
+    if let Some(seed) = options.one {
         print_line(&trial::run(seed));
         return Ok(());
     }
-    let (folder, commit) = asked.kept.open("reliability")?;
+    let (folder, commit) = options.kept.open("reliability")?;
     let mut robots: Journal<Record> = Journal::open(&folder, "robots", &commit)?;
     let words = |seed: &u64, record: &Record| {
         let shown = !record.ended() || (seed + 1).is_multiple_of(50);
         shown.then(|| format!("robot {seed}: {} ({:.1} s)", record.story, record.seconds))
     };
     let run = |seed: &u64| Ok(trial::run(*seed));
-    robots.complete(0..asked.robots, |known, seed| known.seed == *seed, run, words)?;
+    robots.complete(0..options.robots, |known, seed| known.seed == *seed, run, words)?;
     let mut nulls: Journal<Discovered> = Journal::open(&folder, "nulls", &commit)?;
     let null = |seed| Task { cause: None, multiple: 0.0, seed, without: false };
-    work(&mut nulls, (0..asked.nulls).map(null))?;
+    work(&mut nulls, (0..options.nulls).map(null))?;
     let mut finds: Journal<Discovered> = Journal::open(&folder, "power", &commit)?;
-    let tasks = (0..asked.finds).flat_map(|seed| {
+    let tasks = (0..options.finds).flat_map(|seed| {
         let cells = CLEAR.into_iter().flat_map(|m| FOUND.into_iter().map(move |cause| (m, cause)));
         cells.map(move |(multiple, cause)| Task { cause: Some(cause), multiple, seed, without: false })
     });
@@ -81,7 +81,7 @@ pub fn run(arguments: &[String]) -> Outcome {
         format!(
             "Commit {commit}, `cargo xtask study reliability --robots {} --nulls {} --finds {}`, seeds from 0; {failed} robots ended in an \
              error.\n",
-            asked.robots, asked.nulls, asked.finds
+            options.robots, options.nulls, options.finds
         ),
         table::declared(&robots.records),
         table::found(&finds.records),
@@ -92,7 +92,7 @@ pub fn run(arguments: &[String]) -> Outcome {
         precision::table(&precision::all()?),
     ]
     .join("\n");
-    if !asked.short {
+    if !options.short {
         publish("reliability", &text)?;
     }
     finish("reliability", &folder.join("table.md"), &text)

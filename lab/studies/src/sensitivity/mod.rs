@@ -12,9 +12,9 @@ use crate::discovery::trial::Task;
 use crate::prelude::*;
 use truepose_discover::Policy;
 
-/// What was asked for.
+/// The options of the run.
 #[derive(Parser)]
-struct Asked {
+struct Options {
     #[arg(long, default_value_t = 20)]
     robots: u64,
     #[arg(long, default_value_t = 20)]
@@ -38,14 +38,15 @@ struct Changed {
 
 /// Runs the study.
 pub fn run(arguments: &[String]) -> Outcome {
-    let mut asked: Asked = asked(arguments)?;
-    if asked.beliefs.is_empty() {
-        asked.beliefs = Policy::default().table().into_iter().map(|(belief, _)| belief.to_owned()).collect();
+    let mut options: Options = parsed(arguments)?;
+    if options.beliefs.is_empty() {
+        options.beliefs =
+            Policy::default().table().into_iter().map(|(belief, _)| belief.to_owned()).collect();
     }
-    let (folder, commit) = asked.kept.open("sensitivity")?;
-    let tasks = asked.tasks();
+    let (folder, commit) = options.kept.open("sensitivity")?;
+    let tasks = options.tasks();
     let mut rows = Vec::new();
-    for Changed { belief, factor, policy } in asked.policies()? {
+    for Changed { belief, factor, policy } in options.policies()? {
         let part = if belief.is_empty() { "default".into() } else { format!("{belief}_x{factor}") };
         let mut journal: Journal<Record> = Journal::open(&folder, &part, &commit)?;
         let words = |task: &&Task, record: &Record| {
@@ -61,11 +62,11 @@ pub fn run(arguments: &[String]) -> Outcome {
         rows.push(Row::of(&part, journal.records.into_iter().filter(of_this).collect()));
     }
     let text =
-        format!("commit {commit}\n\n{}", table_text(&rows, asked.robots, asked.nulls, asked.multiple)?);
+        format!("commit {commit}\n\n{}", table_text(&rows, options.robots, options.nulls, options.multiple)?);
     finish("sensitivity", &folder.join("table.txt"), &text)
 }
 
-impl Asked {
+impl Options {
     /// Robots with one hidden cause each, and nulls.
     fn tasks(&self) -> Vec<Task> {
         let hidden = (0..self.robots).map(|seed| Task {

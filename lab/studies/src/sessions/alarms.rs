@@ -1,7 +1,7 @@
 //! Unchanged robots, looked at fifty times: how many ever raise an alarm at the stated 1 %?
 
 use super::robots::{Robot, identified};
-use crate::parts::Asked;
+use crate::parts::Scope;
 use crate::prelude::*;
 use truepose_upkeep::{MonitorOptions, monitor};
 
@@ -26,8 +26,8 @@ struct Watched {
 }
 
 /// The table.
-pub fn table(asked: &Asked) -> Outcome<String> {
-    let all = asked.each(|number| one(number, asked.locked))?;
+pub fn table(scope: &Scope) -> Outcome<String> {
+    let all = scope.each(|number| one(number, scope.locked))?;
     let layout = "unchanged robots, 50 looks each -66|robots 6|ever 5|first look 11|p0<0.5 7|p0<0.05 8";
     let mut table = Table::columns(layout);
     for (kind, word) in KINDS.iter().enumerate() {

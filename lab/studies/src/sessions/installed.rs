@@ -3,7 +3,7 @@
 //! The oracle is told where the bases stand exactly, and fits the same rows as those of one installation.
 
 use super::robots::{Robot, error, identified, noise};
-use crate::parts::Asked;
+use crate::parts::Scope;
 use crate::prelude::*;
 use truepose_errormodel::{DatasetBuilder, Measurement, SessionRules};
 use truepose_identify::{place, unify};
@@ -29,8 +29,8 @@ struct Installed {
 }
 
 /// The table.
-pub fn table(asked: &Asked) -> Outcome<String> {
-    let all = asked.each(|number| one(number, asked.locked))?;
+pub fn table(scope: &Scope) -> Outcome<String> {
+    let all = scope.each(|number| one(number, scope.locked))?;
     let mut text = format!(
         "{:44} robots  refused  coverage  coefficients  error um  oracle um  pure  with noise, RMS  90 % of robots\n",
         "three sessions of 50 poses, 3 targets"

@@ -19,11 +19,11 @@ const PARTS: [(&str, u64); 5] =
 
 /// Runs the study.
 pub fn run(arguments: &[String]) -> Outcome {
-    parts::run("sessions", &PARTS, arguments, |part, asked| match part {
-        "alarms" => alarms::table(asked),
-        "slips" => slips::table(asked),
-        "installed" => installed::table(asked),
-        "transfer" => transferred::table(asked),
-        _ => sisters::table(asked),
+    parts::run("sessions", &PARTS, arguments, |part, scope| match part {
+        "alarms" => alarms::table(scope),
+        "slips" => slips::table(scope),
+        "installed" => installed::table(scope),
+        "transfer" => transferred::table(scope),
+        _ => sisters::table(scope),
     })
 }

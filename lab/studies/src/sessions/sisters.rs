@@ -1,7 +1,7 @@
 //! A fleet of ten as prior of the eleventh: how many poses are its sisters worth?
 
 use super::robots::{Robot, error, identified};
-use crate::parts::Asked;
+use crate::parts::Scope;
 use crate::prelude::*;
 use truepose_upkeep::{Fleet, Installation, TransferOptions, fleet, transfer};
 
@@ -16,14 +16,14 @@ struct Type {
     /// Errors with the fleet from 25 poses, m.
     with: Vec<f64>,
     /// With the true mean and scatter of the type.
-    told: Vec<f64>,
+    informed: Vec<f64>,
     /// Alone from so many.
     alone: Vec<[f64; POSES.len()]>,
 }
 
 /// The table.
-pub fn table(asked: &Asked) -> Outcome<String> {
-    let all = asked.each(|number| one(number, asked.locked))?;
+pub fn table(scope: &Scope) -> Outcome<String> {
+    let all = scope.each(|number| one(number, scope.locked))?;
     let mut text =
         String::from("RMS error at new poses, um; one target, ten sisters of 100 poses each\nown errors   ");
     POSES.iter().try_for_each(|poses| write!(text, "{:>9}", format!("{poses} alone")))?;
@@ -33,7 +33,7 @@ pub fn table(asked: &Asked) -> Outcome<String> {
         let alone_of = |n: usize| rms(of.iter().flat_map(|one| one.alone.iter().map(move |a| a[n])));
         let alone: Vec<f64> = (0..POSES.len()).map(alone_of).collect();
         let with = rms(of.iter().flat_map(|one| one.with.iter().copied()));
-        let truth = 1e6 * rms(of.iter().flat_map(|one| one.told.iter().copied()));
+        let truth = 1e6 * rms(of.iter().flat_map(|one| one.informed.iter().copied()));
         write!(text, "{:13}", format!("{} um", 400.0 * own))?;
         alone.iter().try_for_each(|error| write!(text, "{:9.1}", 1e6 * error))?;
         writeln!(text, "{:15.1}{truth:31.1}{:>14}", 1e6 * with, worth(&alone, with))?;
@@ -83,7 +83,7 @@ fn one(number: u64, locked: bool) -> Outcome<Vec<Type>> {
         let prior = fleet_of(SISTERS, 100, 0)?;
         // Sixty sisters of 400 poses: as good as the truth.
         let truth = fleet_of(60, 400, 1000)?;
-        let mut of = Type { with: Vec::new(), told: Vec::new(), alone: Vec::new() };
+        let mut of = Type { with: Vec::new(), informed: Vec::new(), alone: Vec::new() };
         for which in 100..100 + NEXT {
             let fresh = measured(own, which, 100, 2)?;
             let few = measured(own, which, POSES[0], 3)?.data;
@@ -93,7 +93,7 @@ fn one(number: u64, locked: bool) -> Outcome<Vec<Type>> {
                 error(&made.fitted, &fresh)
             };
             of.with.push(with(&prior)?);
-            of.told.push(with(&truth)?);
+            of.informed.push(with(&truth)?);
             let mut alone = [f64::NAN; POSES.len()];
             for (k, poses) in POSES.into_iter().enumerate() {
                 alone[k] = error(&identified(chain, &measured(own, which, poses, 3)?.data)?.fitted, &fresh)?;

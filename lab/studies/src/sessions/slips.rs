@@ -1,7 +1,7 @@
 //! A joint that is not where it was: is it found at the first look, with twelve planned poses, and named?
 
 use super::robots::{Robot, identified, noise};
-use crate::parts::Asked;
+use crate::parts::Scope;
 use crate::prelude::*;
 use truepose_simulate::Task;
 use truepose_upkeep::{MonitorOptions, check_poses, monitor};
@@ -31,8 +31,8 @@ struct Slipped {
 }
 
 /// The table.
-pub fn table(asked: &Asked) -> Outcome<String> {
-    let all = asked.each(|number| one(number, asked.locked))?;
+pub fn table(scope: &Scope) -> Outcome<String> {
+    let all = scope.each(|number| one(number, scope.locked))?;
     let mut text = format!(
         "{:24} robots   found  named first  among tied  tied, mean   ({CHECKS} planned poses, 3 targets, 100 poses of the fit)\n",
         "moves points by"

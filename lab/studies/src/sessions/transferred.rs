@@ -1,7 +1,7 @@
 //! An arm in another installation, from few poses of one target: error at new poses against an identification with all data there.
 
 use super::robots::{Robot, error, identified, noise};
-use crate::parts::Asked;
+use crate::parts::Scope;
 use crate::prelude::*;
 use truepose_upkeep::{Installation, TransferOptions, transfer, transfer_poses};
 
@@ -21,8 +21,8 @@ struct Carried {
 }
 
 /// The table.
-pub fn table(asked: &Asked) -> Outcome<String> {
-    let all = asked.each(|number| one(number, asked.locked))?;
+pub fn table(scope: &Scope) -> Outcome<String> {
+    let all = scope.each(|number| one(number, scope.locked))?;
     let whole = rms(all.iter().map(|one| one.all));
     let noisy = |error: f64| error.hypot(noise());
     let mut text = format!(

@@ -102,12 +102,12 @@ impl Calibration {
         fit(&self.model, &self.data.select(rows), solver, &options)
     }
 
-    /// Held-out squares of every fold; `told` leaves wrong rows out of the fits.
-    fn held_out(&self, solver: &dyn Solver, told: bool) -> Outcome<Squares> {
+    /// Held-out squares of every fold; `without_wrong` leaves wrong rows out of the fits.
+    fn held_out(&self, solver: &dyn Solver, without_wrong: bool) -> Outcome<Squares> {
         let visits = Visits::of(&self.data);
         let fold = |row: usize| self.folds.of_visit[self.data.visit[row]];
         let one = |out: usize| -> Outcome<(f64, usize)> {
-            let used = |row: &usize| fold(*row) != out && !(told && self.wrong[*row]);
+            let used = |row: &usize| fold(*row) != out && !(without_wrong && self.wrong[*row]);
             let rows: Vec<usize> = (0..self.data.len()).filter(used).collect();
             let fit = self.fit(solver, &rows)?;
             let held: Vec<usize> =

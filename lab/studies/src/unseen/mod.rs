@@ -24,7 +24,7 @@ use trial::Task;
 
 /// The options of the run.
 #[derive(Parser)]
-struct Asked {
+struct Options {
     #[arg(long, value_enum, default_value = "tuning")]
     half: Half,
     /// Which robots of the half: a locked half that was looked at has a later one.
@@ -54,25 +54,25 @@ struct Asked {
 
 /// Runs the study.
 pub fn run(arguments: &[String]) -> Outcome {
-    let asked: Asked = asked(arguments)?;
-    if let [word, cell, number] = &asked.one[..] {
-        let task = asked.task(Kind::from_str(word, false)?, &cell.replace('-', ""), number.parse()?);
+    let options: Options = parsed(arguments)?;
+    if let [word, cell, number] = &options.one[..] {
+        let task = options.task(Kind::from_str(word, false)?, &cell.replace('-', ""), number.parse()?);
         print(&task.report()?);
         print_line(&task.run());
         return Ok(());
     }
-    if asked.half == Half::Locked && commit().ends_with("-changed") {
+    if options.half == Half::Locked && commit().ends_with("-changed") {
         return Err("files differ from the commit; the locked half is run at a commit alone".into());
     }
-    let (folder, commit) = asked.kept.open("unseen")?;
-    let (half, part) = (asked.half.word(), asked.half.part(asked.series));
+    let (folder, commit) = options.kept.open("unseen")?;
+    let (half, part) = (options.half.word(), options.half.part(options.series));
     let journal = Journal::open(&folder, &part, &commit)?;
     let begun = journal.begun.clone();
-    let records = work(journal, &asked.tasks())?;
-    let series = if asked.series > 1 { format!(", series {}", asked.series) } else { String::new() };
+    let records = work(journal, &options.tasks())?;
+    let series = if options.series > 1 { format!(", series {}", options.series) } else { String::new() };
     let head = format!("The {half} half{series}, commit {begun}.\n\n");
     let text = head + &summary::all(&records)?;
-    if asked.publish {
+    if options.publish {
         publish(&format!("unseen {part}"), &text)?;
     }
     finish("unseen", &folder.join(format!("{part}.md")), &text)
@@ -91,7 +91,7 @@ fn work(journal: Journal<Record>, tasks: &[Task]) -> Outcome<Vec<Record>> {
     Ok(records)
 }
 
-impl Asked {
+impl Options {
     fn task(&self, kind: Kind, cell: &str, number: u64) -> Task {
         let mut task = Task::of(kind, cell, self.half, number);
         task.key.series = self.series;
@@ -129,21 +129,21 @@ mod tests {
 
     #[test]
     fn options_select_tasks() {
-        let options =
-            |text: &str| asked::<Asked>(&text.split_whitespace().map(str::to_owned).collect::<Vec<_>>());
+        let words_of = |text: &str| text.split_whitespace().map(str::to_owned).collect::<Vec<_>>();
+        let read = |text: &str| parsed::<Options>(&words_of(text));
         let words = "--half locked --kind power,null --poses 25,100 --robots 3 --from 7";
-        let asked = options(words).expect("options");
-        let tasks = asked.tasks();
+        let options = read(words).expect("options");
+        let tasks = options.tasks();
         assert_eq!(tasks.len(), 3 * 3);
         assert!(tasks.iter().all(|task| task.key.half == Half::Locked));
         assert_eq!((tasks[0].cell.as_str(), tasks[0].key.number), ("25", 7));
         assert!(tasks.iter().all(|task| task.key.series == 1));
         let words = "--series 2 --kind power --poses 30 --cause base_tilt --robots 40";
-        let later = options(words).expect("options").tasks();
+        let later = read(words).expect("options").tasks();
         assert!((1..20).contains(&later.len()) && later.iter().all(|task| task.key.series == 2));
         assert!(later.iter().all(|task| task.cause() == Some(cause::Cause::BaseTilt)));
         for wrong in ["--series 0", "--half both", "--kind nothing", "--poses 26", "--seeds 3", "--robots"] {
-            assert!(options(wrong).is_err(), "{wrong}");
+            assert!(read(wrong).is_err(), "{wrong}");
         }
     }
 }
