@@ -15,12 +15,10 @@
 use crate::prelude::*;
 mod trial;
 
-pub use trial::Experiment;
-pub use trial::{Strategy, polynomial, reduced_first};
+pub use trial::{Experiment, Strategy, polynomial, reduced_first};
 
 use crate::clock::{least, least_on_the_wall};
-use trial::Radii;
-use trial::strategies;
+use trial::{Radii, strategies};
 
 /// How many plants, and at how many of them the identification is timed.
 const PLANTS: u64 = 20;

@@ -7,8 +7,7 @@
 //! The sums go over robots: what is stated of one robot shares its noise, so that intervals of one robot are not independent
 //! trials. Where each robot has one interval s is the binomial deviation.
 
-use super::trial::Record;
-use super::trial::WHAT;
+use super::trial::{Record, WHAT};
 use crate::discovery::record::{Interval, Record as Discovered};
 use crate::discovery::summary::first_p;
 use crate::prelude::*;

@@ -1,8 +1,7 @@
 //! One problem of the generated family under every strategy: one solve timed and weighed alone, then the folds in parallel.
 
 use super::family::{Problem, Recipe, UNKNOWNS};
-use super::optimality::Strategy;
-use super::optimality::violation;
+use super::optimality::{Strategy, violation};
 use super::record::Record;
 use crate::prelude::*;
 use rand::seq::SliceRandom;
