@@ -1,76 +1,57 @@
-//! What can be typed.
+//! The command line and the environment.
 
-use crate::workload::Failure;
+use clap::Parser;
 use std::path::PathBuf;
 
-/// Everything that was typed, and where things are.
-#[derive(Debug, Clone)]
+/// Options of a run, and where things are.
+#[derive(Debug, Clone, Parser)]
 pub struct Arguments {
     /// Workloads to run; all when empty. `W3` stands for all that begin so; `growth`, `discover` or `breadth` alone is no workload but how time grows.
     pub only: Vec<String>,
     /// How often both sides are run in turn.
-    pub rounds: usize,
+    #[arg(long, default_value_t = 7, value_parser = clap::value_parser!(u32).range(1..))]
+    pub rounds: u32,
     /// Results of an earlier run, to compare with.
+    #[arg(long)]
     pub against: Option<PathBuf>,
     /// Where the results go.
+    #[arg(long, default_value_os_t = target().join("bench/results.json"))]
     pub out: PathBuf,
     /// Where the figure of growth goes.
+    #[arg(long, default_value = "docs/figures/growth.svg")]
     pub figure: PathBuf,
     /// Rows up to which `discover` is run.
+    #[arg(long, default_value_t = 1_000_000)]
     pub most_rows: usize,
     /// Joints up to which `breadth` is run.
+    #[arg(long, default_value_t = 30)]
     pub most_joints: usize,
     /// One way of one workload, for a parent process: `W1 gram`.
-    pub serve: Option<(String, String)>,
+    #[arg(long, num_args = 2)]
+    pub serve: Vec<String>,
     /// Threads of our side.
+    #[arg(long, default_value_t = 1)]
     pub threads: usize,
     /// The folder of the peers' scripts.
+    #[arg(skip = from("TRUEPOSE_PEERS", "../shared/peers".into()))]
     pub peers: PathBuf,
     /// Python with the peers' packages.
+    #[arg(skip = from("TRUEPOSE_PEERS_PYTHON", target().join("peers-venv/bin/python")))]
     pub python: PathBuf,
     /// The folder of the peers' data.
+    #[arg(skip = from("TRUEPOSE_PEERS_DATA", target().join("bench/data")))]
     pub data: PathBuf,
 }
 
-impl Arguments {
-    /// Reads the command line and the environment.
-    pub fn read() -> Result<Self, Failure> {
-        let target =
-            std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| PathBuf::from("target"), PathBuf::from);
-        let from = |name: &str, otherwise: PathBuf| std::env::var_os(name).map_or(otherwise, PathBuf::from);
-        let mut read = Arguments {
-            only: Vec::new(),
-            rounds: 7,
-            against: None,
-            out: target.join("bench").join("results.json"),
-            figure: PathBuf::from("docs/figures/growth.svg"),
-            most_rows: 1_000_000,
-            most_joints: 30,
-            serve: None,
-            threads: 1,
-            peers: from("TRUEPOSE_PEERS", PathBuf::from("../shared/peers")),
-            python: from("TRUEPOSE_PEERS_PYTHON", target.join("peers-venv/bin/python")),
-            data: from("TRUEPOSE_PEERS_DATA", target.join("bench").join("data")),
-        };
-        let mut words = std::env::args().skip(1);
-        while let Some(word) = words.next() {
-            let mut next = || words.next().ok_or(format!("`{word}` wants a value"));
-            match word.as_str() {
-                "--rounds" => read.rounds = next()?.parse::<usize>()?.max(1),
-                "--threads" => read.threads = next()?.parse::<usize>()?.max(1),
-                "--most-rows" => read.most_rows = next()?.parse()?,
-                "--most-joints" => read.most_joints = next()?.parse()?,
-                "--against" => read.against = Some(PathBuf::from(next()?)),
-                "--out" => read.out = PathBuf::from(next()?),
-                "--figure" => read.figure = PathBuf::from(next()?),
-                "--serve" => read.serve = Some((next()?, next()?)),
-                other if other.starts_with('-') => return Err(format!("`{other}` is not an option").into()),
-                _ => read.only.push(word),
-            }
-        }
-        Ok(read)
-    }
+fn target() -> PathBuf {
+    from("CARGO_TARGET_DIR", "target".into())
+}
 
+fn from(name: &str, otherwise: PathBuf) -> PathBuf {
+    std::env::var_os(name).map_or(otherwise, PathBuf::from)
+}
+
+impl Arguments {
     /// Whether a workload was asked for.
     pub fn wants(&self, workload: &str) -> bool {
         self.only.is_empty() || self.only.iter().any(|name| workload.starts_with(name.as_str()))

@@ -4,8 +4,7 @@
 //! answers `{"answer": {…}, "peak_mb": …}`. So each side has a process of its own, with its own peak of memory, and its data
 //! stays loaded between rounds.
 
-use crate::workload::{Answer, Failure, Way};
-use crate::{clock, say};
+use crate::prelude::*;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use std::io::{BufRead, BufReader, Lines, Write};
@@ -43,7 +42,7 @@ pub struct Process {
 
 impl Process {
     /// Starts it and waits until its data has been read.
-    pub fn start(command: &mut Command) -> Result<Self, Failure> {
+    pub fn start(command: &mut Command) -> Outcome<Self> {
         let mut child =
             command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::inherit()).spawn()?;
         let to = child.stdin.take().ok_or("no pipe to the process")?;
@@ -53,7 +52,7 @@ impl Process {
         Ok(made)
     }
 
-    fn answer(&mut self) -> Result<Value, Failure> {
+    fn answer(&mut self) -> Outcome<Value> {
         for line in &mut self.from {
             // What libraries print is not for us.
             if let Ok(value @ Value::Object(_)) = serde_json::from_str(&line?) {
@@ -66,19 +65,19 @@ impl Process {
         Err("the process ended before it answered".into())
     }
 
-    fn ask(&mut self, what: &str) -> Result<Value, Failure> {
+    fn ask(&mut self, what: &str) -> Outcome<Value> {
         writeln!(self.to, "{what}")?;
         self.to.flush()?;
         self.answer()
     }
 
     /// Does the work some times.
-    pub fn run(&mut self, times: usize) -> Result<Times, Failure> {
+    pub fn run(&mut self, times: usize) -> Outcome<Times> {
         Ok(serde_json::from_value(self.ask(&format!("run {times}"))?)?)
     }
 
     /// What came of the last time.
-    pub fn check(&mut self) -> Result<Checked, Failure> {
+    pub fn check(&mut self) -> Outcome<Checked> {
         Ok(serde_json::from_value(self.ask("check")?)?)
     }
 }
@@ -92,7 +91,7 @@ impl Drop for Process {
 }
 
 /// This side of the lines, for one of our ways.
-pub fn serve(mut way: Way) -> Result<(), Failure> {
+pub fn serve(mut way: Way) -> Outcome {
     let before = clock::memory_mb("VmHWM:");
     say(&json!({ "ready": true }).to_string());
     for line in std::io::stdin().lock().lines() {

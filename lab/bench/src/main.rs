@@ -1,12 +1,12 @@
 #![doc = include_str!("../README.md")]
 
 mod arguments;
-mod breadth;
 mod child;
-mod clock;
+pub mod clock;
 mod discovery;
 mod growth;
 mod peaks;
+mod prelude;
 mod robots;
 mod runner;
 mod summary;
@@ -15,21 +15,28 @@ mod workload;
 mod workloads;
 
 use arguments::Arguments;
+use clap::Parser;
 use std::io::Write;
 use std::process::ExitCode;
 use workload::Failure;
 
 /// A line to the terminal, or to the process that asked.
-fn say(text: &str) {
+pub fn say(text: &str) {
     let mut out = std::io::stdout().lock();
     let _ = writeln!(out, "{text}");
     let _ = out.flush();
 }
 
+/// Prints the processor, the threads, and the load then and now.
+pub fn say_machine(threads: &str, before: f64) {
+    let (processor, after) = (clock::processor(), clock::load());
+    say(&format!("{processor}, {threads}; load {before:.1} at the beginning, {after:.1} at the end"));
+}
+
 fn run() -> Result<(), Failure> {
-    let arguments = Arguments::read()?;
-    rayon::ThreadPoolBuilder::new().num_threads(arguments.threads).build_global()?;
-    if let Some((workload, way)) = &arguments.serve {
+    let arguments = Arguments::parse();
+    rayon::ThreadPoolBuilder::new().num_threads(arguments.threads.max(1)).build_global()?;
+    if let [workload, way] = &arguments.serve[..] {
         let found = workloads::ALL.iter().find(|w| w.name == workload);
         let declared = found.and_then(|w| w.ways.iter().find(|d| d.name == way));
         let prepare = declared.ok_or(format!("there is no way `{way}` of `{workload}`"))?.prepare;
@@ -37,8 +44,8 @@ fn run() -> Result<(), Failure> {
     }
     match arguments.only.as_slice() {
         [only] if only == "growth" => growth::run(&arguments.figure),
-        [only] if only == "breadth" => breadth::run(arguments.most_joints, arguments.threads),
-        [only] if only == "discover" => discovery::run(arguments.most_rows, arguments.threads),
+        [only] if only == "breadth" => discovery::breadth(arguments.most_joints, arguments.threads),
+        [only] if only == "discover" => discovery::rows(arguments.most_rows, arguments.threads),
         _ => runner::run(&arguments),
     }
 }

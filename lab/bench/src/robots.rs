@@ -68,6 +68,11 @@ pub fn robot(path: &Path) -> Result<Chain, Failure> {
     Ok(chain.with_tool(Placed { pose: tool, known: true })?.with_targets(targets)?.with_gravity(gravity)?)
 }
 
+/// All rows of a table of the peers' data for a robot with six joints.
+pub fn rows_of(folder: &Path, file: &str) -> Result<Dataset, Failure> {
+    dataset(&Table::read(&folder.join(file))?, 6, |_| true)
+}
+
 /// The rows of a table for which `used` says so, of so many joints.
 pub fn dataset(table: &Table, joints: usize, used: impl Fn(usize) -> bool) -> Result<Dataset, Failure> {
     let rows: Vec<usize> = (0..table.rows()).filter(|&row| used(row)).collect();

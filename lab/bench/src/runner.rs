@@ -2,16 +2,16 @@
 
 use crate::arguments::Arguments;
 use crate::child::{Checked, Process, Times};
+use crate::prelude::*;
 use crate::summary::{Peer, Results, Side, Summary};
-use crate::workload::{Failure, Workload};
-use crate::{clock, peaks, say, workloads};
+use crate::{peaks, workloads};
 use std::process::Command;
 
 /// One run of a side should take this long, s: shorter work is done several times over.
 const LEAST: f64 = 0.05;
 
 /// Runs what was asked for.
-pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub fn run(arguments: &Arguments) -> Outcome {
     let with_peers = ready(arguments)?;
     let machine = peaks::measure();
     let processor = clock::processor();
@@ -21,10 +21,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         1e-9 * machine.bytes,
         clock::load()
     ));
-    let earlier = match &arguments.against {
-        Some(path) => Some(Results::read(path)?),
-        None => None,
-    };
+    let earlier = arguments.against.as_deref().map(Results::read).transpose()?;
     let mut results = Results::new(machine, processor, arguments.threads);
     for workload in workloads::ALL.iter().filter(|w| arguments.wants(w.name)) {
         let summary = one(workload, arguments, with_peers, &mut results.versions)?;
@@ -42,7 +39,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 /// Makes the peers' data where it is missing; whether peers can run.
-fn ready(arguments: &Arguments) -> Result<bool, Failure> {
+fn ready(arguments: &Arguments) -> Outcome<bool> {
     let script = arguments.peers.join("gen_workloads.py");
     let able = script.exists() && arguments.python.exists();
     if !able {
@@ -63,7 +60,7 @@ fn ready(arguments: &Arguments) -> Result<bool, Failure> {
     Ok(able)
 }
 
-fn peer(arguments: &Arguments, workload: &str, peer: &str) -> Result<Process, Failure> {
+fn peer(arguments: &Arguments, workload: &str, peer: &str) -> Outcome<Process> {
     // Their BLAS does not know newer processors and takes kernels without AVX-512 there: peers/README.md.
     let wide = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default().contains("avx512");
     let core = if wide { "Cooperlake" } else { "" };
@@ -76,7 +73,7 @@ fn peer(arguments: &Arguments, workload: &str, peer: &str) -> Result<Process, Fa
     )
 }
 
-fn ours(arguments: &Arguments, workload: &str, way: &str) -> Result<Process, Failure> {
+fn ours(arguments: &Arguments, workload: &str, way: &str) -> Outcome<Process> {
     Process::start(
         Command::new(std::env::current_exe()?)
             .args(["--serve", workload, way, "--threads"])
@@ -90,7 +87,7 @@ fn one(
     arguments: &Arguments,
     with_peers: bool,
     versions: &mut serde_json::Value,
-) -> Result<Summary, Failure> {
+) -> Outcome<Summary> {
     let mut sides: Vec<(Side, Process)> = Vec::new();
     for way in workload.ways {
         let asked =

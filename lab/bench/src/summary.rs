@@ -2,9 +2,8 @@
 
 use crate::child::Times;
 use crate::peaks::Peaks;
-use crate::workload::{Answer, Failure, Workload};
+use crate::prelude::*;
 use serde::{Deserialize, Serialize};
-use std::path::Path;
 
 /// Everything that one run measured.
 #[derive(Debug, Deserialize, Serialize)]
@@ -123,7 +122,7 @@ impl Summary {
         Summary {
             name: workload.name.into(),
             about: workload.about.into(),
-            bound: (workload.bound.flops, workload.bound.bytes),
+            bound: workload.bound.into(),
             load,
             sides,
             disagreements,
@@ -191,13 +190,13 @@ impl Results {
     }
 
     /// Those of an earlier run.
-    pub fn read(path: &Path) -> Result<Self, Failure> {
+    pub fn read(path: &Path) -> Outcome<Self> {
         let text = std::fs::read_to_string(path).map_err(|error| format!("{}: {error}", path.display()))?;
         Ok(serde_json::from_str(&text)?)
     }
 
     /// Keeps them for a later run.
-    pub fn write(&self, path: &Path) -> Result<(), Failure> {
+    pub fn write(&self, path: &Path) -> Outcome {
         if let Some(folder) = path.parent() {
             std::fs::create_dir_all(folder)?;
         }

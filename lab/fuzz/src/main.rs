@@ -13,56 +13,39 @@ use truepose_io::{
     read_poses, read_robot, robot_toml, robot_urdf,
 };
 use truepose_kinematics::{Chain, samples};
+use truepose_micro::clock::{memory_mb, timed_on_thread};
 use truepose_solvers::SolverSpec;
 
 const SLOW: Duration = Duration::from_secs(1);
-const LARGEST: u64 = 1 << 30;
+/// MB.
+const LARGEST: f64 = 1024.0;
 /// Kept inputs of a target, at most.
 const MOST: usize = 4000;
 const TARGETS: &[&str] = &["robot", "urdf", "measurements", "model", "fit", "poses", "solver", "parquet"];
 
-const PIECES: [&str; 40] = [
-    "nan",
-    "1e999",
-    "-inf",
-    "\"",
-    "'",
-    ",",
-    "\n",
-    "\r",
-    "[",
-    "]",
-    "{",
-    "}",
-    "=",
-    "<",
-    ">",
-    "/>",
-    "é",
-    "\u{0}",
-    "-0",
-    "1e-320",
-    "1e300",
-    "99999999999999999999",
-    "[[joints]]\n",
-    "<joint name='a'>",
-    "known = false\n",
-    ";",
-    "\t",
-    "#",
-    ":",
-    "(",
-    ")",
-    "[deg]",
-    "[mm]",
-    "null",
-    "true",
-    "<!--",
-    "-->",
-    "<![CDATA[",
-    "&lt;",
-    "\u{feff}",
+/// Texts to insert, separated by bars.
+const PIECES: &str = "nan|1e999|-inf|\"|'|,|\n|\r|[|]|{|}|=|<|>|/>|é|\u{0}|-0|1e-320|1e300|99999999999999999999|[[joints]]\n|\
+    <joint name='a'>|known = false\n|;|\t|#|:|(|)|[deg]|[mm]|null|true|<!--|-->|<![CDATA[|&lt;|\u{feff}";
+
+/// One of them.
+fn piece(rng: &mut ChaCha8Rng) -> &'static str {
+    let pieces: Vec<&str> = PIECES.split('|').collect();
+    pieces[rng.random_range(0..pieces.len())]
+}
+
+const SOLVERS: [&str; 7] = [
+    "qr",
+    "svd(rcond=1e-10)",
+    "ridge(gcv)",
+    "huber(qr, k=1.345)",
+    "tukey(lasso(cv))",
+    "group_lasso(refit)",
+    "bounded(qr)",
 ];
+
+fn good(texts: &[&str]) -> Vec<Vec<u8>> {
+    texts.iter().map(|text| text.as_bytes().to_vec()).collect()
+}
 
 /// What reads, and good texts to spoil.
 struct Target {
@@ -120,41 +103,14 @@ fn target(name: &'static str) -> Target {
     let (ending, mut good): (&str, Vec<Vec<u8>>) = match name {
         "robot" => ("toml", samples::all().iter().map(|c| robot_toml(c).into_bytes()).collect()),
         "urdf" => ("urdf", samples::all().iter().map(|c| robot_urdf(c, &[]).into_bytes()).collect()),
-        "model" => (
-            "toml",
-            vec![
-                b"[[effects]]\nfamily = \"geometric\"\nframes = [\"base\", \"j1\"]\ncomponents = [\"x\", \"rz\"]\n\n[[effects]]\nfamily = \
-                  \"joint_compliance\"\njoints = [\"j2\"]\n"
-                    .to_vec(),
-                b"[[effects]]\nfamily = \"transmission\"\njoint = \"j1\"\nperiod = 3.14\nharmonics = [1, 2]\n\n[[effects]]\nfamily = \
-                  \"expansion\"\nat = { motion = { joint = \"j1\" } }\nfactors = [{ of = { joint = \"j2\" }, basis = { powers = [1, 2] } }]\n"
-                    .to_vec(),
-            ],
-        ),
+        "model" => {
+            ("toml", good(&[include_str!("../good/model_1.toml"), include_str!("../good/model_2.toml")]))
+        }
         "fit" => ("json", vec![fit(&chain)]),
-        "solver" => (
-            "txt",
-            ["qr", "svd(rcond=1e-10)", "ridge(gcv)", "huber(qr, k=1.345)", "tukey(lasso(cv))", "group_lasso(refit)", "bounded(qr)"]
-                .map(|s| s.as_bytes().to_vec())
-                .to_vec(),
-        ),
-        "poses" => (
-            "csv",
-            vec![
-                b"x[mm],y[mm],z[mm],target\n500,100,300,T1\n400,-200,350,\n".to_vec(),
-                b"j1[deg],j2[deg],d3[mm],x[m],y[m],z[m],qw,qx,qy,qz,payload[kg],time[s]\n10,20,30,0.4,0.1,0.3,1,0,0,0,5,1\n".to_vec(),
-            ],
-        ),
+        "solver" => ("txt", good(&SOLVERS)),
+        "poses" => ("csv", good(&[include_str!("../good/poses_1.csv"), include_str!("../good/poses_2.csv")])),
         "parquet" => ("parquet", Vec::new()),
-        _ => (
-            "csv",
-            vec![
-                b"j1[deg],j2[deg],d3[mm],x[mm],y[mm],z[mm],qw,qx,qy,qz,sx[um],sy[um],sz[um],visit,payload[kg],cx[mm],cy[mm],cz[mm],\
-                  time[s],approach_j1,approach_j2,approach_d3,oil[degC]\n10,20,30,400,100,300,1,0,0,0,10,10,20,1,5,0,0,90,1,1,-1,0,21.5\n\
-                  11,-20,90,420,120,310,,,,,10,10,20,2,0,0,0,0,9,0,1,1,21.75\n"
-                    .to_vec(),
-            ],
-        ),
+        _ => ("csv", good(&[include_str!("../good/measurements.csv")])),
     };
     let mut seeds = Vec::new();
     let folder = if name == "parquet" { corpus().join("../parquet") } else { corpus() };
@@ -183,12 +139,13 @@ fn target(name: &'static str) -> Target {
 fn fit(chain: &Chain) -> Vec<u8> {
     use truepose_errormodel::effects::{Geometric, JointCompliance};
     use truepose_errormodel::{ErrorModel, FittedModel};
-    let effects: Vec<Box<dyn truepose_errormodel::AnyEffect>> =
-        vec![Box::new(Geometric::default()), Box::new(JointCompliance::default())];
-    let model = ErrorModel::new(chain.clone(), effects).unwrap();
-    let n = model.columns().len();
-    let covariance = nalgebra::DMatrix::identity(n, n) * 1e-8;
-    let fitted = FittedModel::new(model, vec![1e-4; n], covariance).unwrap();
+    let model = ErrorModel::new(
+        chain.clone(),
+        vec![Box::new(Geometric::default()), Box::new(JointCompliance::default())],
+    );
+    let n = model.as_ref().unwrap().columns().len();
+    let fitted =
+        FittedModel::new(model.unwrap(), vec![1e-4; n], nalgebra::DMatrix::identity(n, n) * 1e-8).unwrap();
     let folder = tempfile::tempdir().unwrap();
     truepose_io::write_fit(folder.path().join("fit.json"), &fitted).unwrap();
     std::fs::read(folder.path().join("fit.json")).unwrap()
@@ -220,12 +177,6 @@ fn read(target: &Target, path: &Path, bytes: &[u8]) -> Result<String, String> {
         }
     };
     read.map_err(|error| error.to_string())
-}
-
-/// Time of the processor that this thread has had; none where the system does not tell.
-fn processor_time() -> Option<Duration> {
-    let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
-    Some(Duration::from_nanos(text.split_whitespace().next()?.parse().ok()?))
 }
 
 /// An answer without names and numbers.
@@ -268,10 +219,8 @@ fn run(target: &Target, inputs: u64, time: Option<Duration>, seed: u64) -> usize
         let mut took = start.elapsed();
         if result.is_ok() && took > SLOW {
             // Another program may have had the machine: once more, by the time of the processor where it is known.
-            let (start, busy) = (Instant::now(), processor_time());
-            let _ = read(target, &path, &input);
-            let again = processor_time().zip(busy).map_or(start.elapsed(), |(now, then)| now - then);
-            took = took.min(again);
+            let (again, _) = timed_on_thread(|| read(target, &path, &input));
+            took = took.min(Duration::from_secs_f64(again));
         }
         slowest = slowest.max(took);
         accepted += u64::from(matches!(result, Ok(Ok(_))));
@@ -282,7 +231,7 @@ fn run(target: &Target, inputs: u64, time: Option<Duration>, seed: u64) -> usize
             std::fs::write(corpus.join(format!("{seed}-{k}.{}", target.ending)), &input).unwrap();
             own.push(input.clone());
         }
-        let large = k % 1000 == 0 && resident().is_some_and(|used| used > LARGEST);
+        let large = k % 1000 == 0 && memory_mb("VmRSS:") > LARGEST;
         if result.is_err() || took > SLOW || large {
             findings += 1;
             let name = format!("{}-{seed}-{k}.{}", target.name, target.ending);
@@ -292,13 +241,13 @@ fn run(target: &Target, inputs: u64, time: Option<Duration>, seed: u64) -> usize
     }
     println!(
         "{}: {done} inputs from seed {seed}, {:.0} a second, {accepted} read, {} refused, {} kinds of answers, {findings} findings, \
-         slowest {:.1} ms, {} MB, {:.0} s",
+         slowest {:.1} ms, {:.0} MB, {:.0} s",
         target.name,
         done as f64 / began.elapsed().as_secs_f64(),
         done - accepted,
         answers.len(),
         slowest.as_secs_f64() * 1e3,
-        resident().unwrap_or(0) / 1_000_000,
+        memory_mb("VmRSS:"),
         began.elapsed().as_secs_f64()
     );
     findings
@@ -311,7 +260,7 @@ fn spoiled(good: &[Vec<u8>], bad: &[Vec<u8>], rng: &mut ChaCha8Rng) -> Vec<u8> {
     let most = [1, 1, 2, 6][rng.random_range(0..4)];
     for _ in 0..rng.random_range(1..=most) {
         if bytes.is_empty() {
-            bytes = PIECES[rng.random_range(0..PIECES.len())].as_bytes().to_vec();
+            bytes = piece(rng).into();
         }
         let length = bytes.len();
         let at = rng.random_range(0..length);
@@ -325,7 +274,7 @@ fn spoiled(good: &[Vec<u8>], bad: &[Vec<u8>], rng: &mut ChaCha8Rng) -> Vec<u8> {
                 let times = if rng.random_range(0..50) == 0 { 2000 } else { rng.random_range(1..4) };
                 bytes.splice(at..at, part.repeat(times));
             }
-            4 => drop(bytes.splice(at..at, PIECES[rng.random_range(0..PIECES.len())].bytes())),
+            4 => drop(bytes.splice(at..at, piece(rng).bytes())),
             5 => bytes.truncate(at),
             6 => {
                 // A piece of another input.
@@ -359,10 +308,4 @@ fn spoiled(good: &[Vec<u8>], bad: &[Vec<u8>], rng: &mut ChaCha8Rng) -> Vec<u8> {
         }
     }
     bytes
-}
-
-fn resident() -> Option<u64> {
-    let status = std::fs::read_to_string("/proc/self/status").ok()?;
-    let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:"))?;
-    line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok().map(|k| 1024 * k)
 }

@@ -9,7 +9,8 @@ use std::time::Instant;
 use truepose_compensate::{CommandRequest, Compensator, CompensatorOptions, Status};
 use truepose_errormodel::Schema;
 use truepose_kinematics::{Chain, Conditions, PostureBuffer, joint_jacobian, samples};
-use truepose_micro::{Draw, elastic, load, target_at};
+use truepose_micro::clock::timed_on_thread;
+use truepose_micro::{Draw, elastic, latencies, load, target_at};
 
 const COUNT: usize = 100_000;
 /// As the program takes them.
@@ -25,31 +26,6 @@ fn main() {
         }
         run(&chain, "0.1 µm", 1e-7, false);
     }
-}
-
-/// Time that this thread ran, where the system tells it; else time on the wall.
-enum Clock {
-    Running(f64),
-    Wall(Instant),
-}
-
-impl Clock {
-    fn now() -> Self {
-        running().map_or_else(|| Clock::Wall(Instant::now()), Clock::Running)
-    }
-
-    fn seconds(&self) -> f64 {
-        match self {
-            Clock::Running(then) => running().map_or(f64::NAN, |now| now - then),
-            Clock::Wall(then) => then.elapsed().as_secs_f64(),
-        }
-    }
-}
-
-fn running() -> Option<f64> {
-    let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
-    let nanoseconds: f64 = text.split_whitespace().next()?.parse().ok()?;
-    Some(1e-9 * nanoseconds)
 }
 
 /// The smallest singular value of the joint Jacobian is above 0.05.
@@ -88,14 +64,15 @@ fn run(chain: &Chain, words: &str, tolerance: f64, seeded: bool) {
     let (mut ok, mut rounds) = (0, 0);
     for _ in 0..5 {
         (ok, rounds) = (0, 0);
-        let begun = Clock::now();
-        for (wanted, conditions) in &jobs {
-            let seed = seeded.then_some(&conditions.joints[..]);
-            let command = black_box(compensator.command(wanted, conditions, seed));
-            ok += usize::from(command.status == Status::Ok);
-            rounds += command.rounds;
-        }
-        best = best.min(begun.seconds());
+        let (seconds, ()) = timed_on_thread(|| {
+            for (wanted, conditions) in &jobs {
+                let seed = seeded.then_some(&conditions.joints[..]);
+                let command = black_box(compensator.command(wanted, conditions, seed));
+                ok += usize::from(command.status == Status::Ok);
+                rounds += command.rounds;
+            }
+        });
+        best = best.min(seconds);
     }
     let list: Vec<CommandRequest<'_>> = jobs
         .iter()
@@ -107,13 +84,14 @@ fn run(chain: &Chain, words: &str, tolerance: f64, seeded: bool) {
         .collect();
     let (mut together, mut answers) = (f64::INFINITY, Vec::with_capacity(CHUNK));
     for _ in 0..5 {
-        let begun = Clock::now();
-        for chunk in list.chunks(CHUNK) {
-            answers.clear();
-            compensator.commands(black_box(chunk), &mut answers);
-            black_box(&answers);
-        }
-        together = together.min(begun.seconds());
+        let (seconds, ()) = timed_on_thread(|| {
+            for chunk in list.chunks(CHUNK) {
+                answers.clear();
+                compensator.commands(black_box(chunk), &mut answers);
+                black_box(&answers);
+            }
+        });
+        together = together.min(seconds);
     }
     for ((wanted, conditions), single) in jobs.iter().zip(&mut singles) {
         let seed = seeded.then_some(&conditions.joints[..]);
@@ -125,15 +103,13 @@ fn run(chain: &Chain, words: &str, tolerance: f64, seeded: bool) {
             *single = single.min(begun.elapsed().as_secs_f64());
         }
     }
-    singles.sort_by(f64::total_cmp);
+    let [median, most, _] = latencies(singles);
     println!(
-        "{:6} {words} {}: {:.3} s per 100 000, {:.3} s as a list, {ok} of {count} ok, {:.2} rounds; single calls: median {:.2} µs, 99.9 % {:.1} µs",
+        "{:6} {words} {}: {:.3} s per 100 000, {:.3} s as a list, {ok} of {count} ok, {:.2} rounds; single calls: median {median:.2} µs, 99.9 % {most:.1} µs",
         chain.name(),
         if seeded { "from a seed " } else { "without seed" },
         best * COUNT as f64 / count as f64,
         together * COUNT as f64 / count as f64,
         rounds as f64 / count as f64,
-        1e6 * singles[count / 2],
-        1e6 * singles[count * 999 / 1000],
     );
 }

@@ -5,9 +5,9 @@ use divan::{Bencher, black_box};
 use truepose_errormodel::batch::Lanes;
 use truepose_errormodel::effects::{Geometric, JointCompliance, LinkCompliance, Polynomial, WrenchComponent};
 use truepose_errormodel::lanes::{LANES, error_jacobians};
-use truepose_errormodel::{AnyEffect, Dataset, Equilibrium, ErrorModel, Schema};
-use truepose_kinematics::nalgebra::Vector3;
-use truepose_kinematics::{Chain, Conditions, Load, Payload, TargetId, samples};
+use truepose_errormodel::{AnyEffect, Equilibrium, ErrorModel};
+use truepose_kinematics::{Conditions, samples};
+use truepose_micro::points;
 
 fn main() {
     divan::main();
@@ -25,31 +25,6 @@ fn model(name: &str) -> ErrorModel {
     ErrorModel::new(samples::pps(), effects).expect("effects fit the robot")
 }
 
-/// A block of postures within the limits, with a payload.
-fn data(chain: &Chain) -> Dataset {
-    let joints = chain.movable().iter().enumerate().map(|(k, &joint)| {
-        let (lower, upper) = chain.joint(joint).limits.unwrap_or((-1.0, 1.0));
-        (0..LANES)
-            .map(|row| lower + (upper - lower) * ((row + 1) as f64 * (0.618 + 0.1 * k as f64)).fract())
-            .collect()
-    });
-    let payload = Payload { mass: 70.0, com: Vector3::new(0.0, 0.1, -0.4) };
-    Dataset {
-        schema: Schema { load: true, ..Schema::default() },
-        joints: joints.collect(),
-        position: vec![[0.1, 0.2, 0.3]; LANES],
-        position_sd: vec![[f64::NAN; 3]; LANES],
-        orientation: vec![None; LANES],
-        orientation_sd: vec![[f64::NAN; 3]; LANES],
-        target: vec![Some(TargetId(0)); LANES],
-        visit: (0..LANES).collect(),
-        load: vec![Load::Payload(payload); LANES],
-        time: vec![0.0; LANES],
-        approach: vec![vec![0.0; LANES]; chain.movable().len()],
-        ..Dataset::default()
-    }
-}
-
 fn some(model: &ErrorModel) -> Vec<f64> {
     model.columns().iter().map(|column| 0.1 * column.scale).collect()
 }
@@ -57,7 +32,7 @@ fn some(model: &ErrorModel) -> Vec<f64> {
 #[divan::bench(args = MODELS)]
 fn at_rest_one_row(bencher: Bencher<'_, '_>, name: &str) {
     let model = model(name);
-    let (data, coefficients) = (data(model.chain()), some(&model));
+    let (data, coefficients) = (points(model.chain(), 0, LANES), some(&model));
     let bound = model.bind(&data.schema).expect("nothing is missing");
     let mut rest = Equilibrium::new(&model);
     let conditions: Conditions = data.conditions(7);
@@ -67,7 +42,7 @@ fn at_rest_one_row(bencher: Bencher<'_, '_>, name: &str) {
 #[divan::bench(args = MODELS)]
 fn columns_of_a_block(bencher: Bencher<'_, '_>, name: &str) {
     let model = model(name);
-    let (data, coefficients) = (data(model.chain()), some(&model));
+    let (data, coefficients) = (points(model.chain(), 0, LANES), some(&model));
     let mut lanes = Lanes::new(model.bind(&data.schema).expect("nothing is missing"));
     let rows: Vec<usize> = (0..LANES).collect();
     let places: Vec<Option<usize>> = (0..coefficients.len()).map(Some).collect();

@@ -13,7 +13,7 @@ use truepose_compensate::{Compensator, CompensatorOptions, Target};
 use truepose_errormodel::Schema;
 use truepose_ffi::*;
 use truepose_kinematics::{Conditions, samples};
-use truepose_micro::elastic;
+use truepose_micro::{elastic, latencies};
 
 const COUNT: usize = 100_000;
 
@@ -76,13 +76,10 @@ fn main() {
             }
         }
     }
-    for (name, (total, mut times)) in ["Rust", "C   "].into_iter().zip(totals.into_iter().zip(singles)) {
-        times.sort_by(f64::total_cmp);
+    for (name, (total, times)) in ["Rust", "C   "].into_iter().zip(totals.into_iter().zip(singles)) {
+        let [median, most, largest] = latencies(times);
         println!(
-            "{name} {total:.3} s per 100 000; single calls: median {:.2} µs, 99.9 % {:.2} µs, largest {:.1} µs",
-            1e6 * times[COUNT / 2],
-            1e6 * times[COUNT * 999 / 1000],
-            1e6 * times[COUNT - 1]
+            "{name} {total:.3} s per 100 000; single calls: median {median:.2} µs, 99.9 % {most:.2} µs, largest {largest:.1} µs"
         );
     }
     println!("C / Rust: {:.3}", totals[1] / totals[0]);

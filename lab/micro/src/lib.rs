@@ -1,74 +1,57 @@
 #![doc = include_str!("../README.md")]
 
-use truepose_compensate::Target;
-use truepose_errormodel::effects::{Geometric, JointCompliance};
-use truepose_errormodel::{AnyEffect, Column, ErrorModel, FittedModel};
-use truepose_kinematics::nalgebra::{DMatrix, Vector3};
-use truepose_kinematics::{Chain, Load, Payload, Pose};
+pub mod clock;
+/// The fits of the tests of `truepose-compensate`.
+#[path = "../../../crates/compensate/tests/all/fits/mod.rs"]
+#[allow(missing_docs, clippy::should_implement_trait, reason = "made for tests")]
+pub mod fits;
 
-/// Numbers from −1 to 1.
-#[derive(Debug, Clone)]
-pub struct Draw(pub u64);
+pub use fits::{Draw, elastic, load, target_at};
 
-impl Draw {
-    /// The next number.
-    pub fn number(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        (self.0 >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-    }
+use truepose_errormodel::{Dataset, Schema};
+use truepose_kinematics::nalgebra::Vector3;
+use truepose_kinematics::{Chain, Load, TargetId, Wrench};
 
-    /// Joints within a share of their limits; half a unit either way where there are none.
-    pub fn joints(&mut self, chain: &Chain, share: f64) -> Vec<f64> {
-        let range = |&joint| chain.joint(joint).limits.unwrap_or((-0.5, 0.5));
-        let ranges: Vec<(f64, f64)> = chain.movable().iter().map(range).collect();
-        ranges
-            .into_iter()
-            .map(|(lower, upper)| {
-                let (lower, upper) = (lower.max(-std::f64::consts::PI), upper.min(std::f64::consts::PI));
-                0.5 * (lower + upper) + share * 0.5 * (upper - lower) * self.number()
-            })
-            .collect()
-    }
+/// Median, 99.9 % and largest of times, µs.
+pub fn latencies(mut seconds: Vec<f64>) -> [f64; 3] {
+    seconds.sort_by(f64::total_cmp);
+    let n = seconds.len();
+    [n / 2, n * 999 / 1000, n - 1].map(|k| 1e6 * seconds[k])
 }
 
-/// A fit of constant errors and joint compliances, as large as real ones.
-///
-/// # Panics
-///
-/// Where the effects do not fit the chain, which is a fault of a benchmark.
-#[allow(clippy::unwrap_used, reason = "for benchmarks")]
-pub fn elastic(chain: &Chain, seed: u64) -> FittedModel {
-    let effects: Vec<Box<dyn AnyEffect>> =
-        vec![Box::new(Geometric::default()), Box::new(JointCompliance::default())];
-    let model = ErrorModel::new(chain.clone(), effects).unwrap();
-    let mut draw = Draw(seed);
-    let mut size = |column: &Column| {
-        let r = draw.number();
-        if column.name.starts_with("compliance") {
-            // 0.2 … 0.6 rad/(MN·m); the heavy arm's shoulder then sinks by some milliradians.
-            column.scale * (if column.unit.starts_with("rad") { 0.04 } else { 0.4 }) * (1.0 + 0.5 * r)
-        } else {
-            column.scale * 0.5 * r
+/// Points of a robot with limits, from number `first` on: spread over its travels, under a load that changes, off by a smooth error.
+pub fn points(chain: &Chain, first: usize, count: usize) -> Dataset {
+    let movable = chain.movable();
+    // Multiples of square roots of primes, modulo one, fill a cube evenly (Weyl 1916).
+    let roots: Vec<f64> = [2.0_f64, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0].iter().map(|p| p.sqrt()).collect();
+    let mut data = Dataset {
+        schema: Schema { load: true, ..Schema::default() },
+        joints: vec![Vec::with_capacity(count); movable.len()],
+        approach: vec![vec![0.0; count]; movable.len()],
+        position_sd: vec![[f64::NAN; 3]; count],
+        orientation: vec![None; count],
+        orientation_sd: vec![[f64::NAN; 3]; count],
+        visit: (0..count).collect(),
+        time: vec![0.0; count],
+        ..Dataset::default()
+    };
+    let mut q = vec![0.0; movable.len()];
+    for k in first..first + count {
+        for (j, (value, &joint)) in q.iter_mut().zip(movable).enumerate() {
+            let (lower, upper) = chain.joint(joint).limits.unwrap_or((-1.0, 1.0));
+            *value = lower + (upper - lower) * ((k + 1) as f64 * roots[j]).fract();
         }
-    };
-    let coefficients: Vec<f64> = model.columns().iter().map(&mut size).collect();
-    let n = coefficients.len();
-    let covariance =
-        DMatrix::from_fn(n, n, |a, b| if a == b { (1e-2 * coefficients[a]).powi(2) } else { 0.0 });
-    FittedModel::new(model, coefficients, covariance).unwrap()
-}
-
-/// A heavy load, for arms that can carry it.
-pub fn load(chain: &Chain) -> Load {
-    let mass = match chain.name() {
-        "heavy" => 90.0,
-        "pps" => 70.0,
-        _ => 5.0,
-    };
-    Load::Payload(Payload { mass, com: Vector3::new(0.02, -0.01, 0.1) })
-}
-
-/// A pose as a target.
-pub fn target_at(pose: &Pose) -> Target {
-    Target::at(pose.translation).turned(pose.rotation)
+        data.joints.iter_mut().zip(&q).for_each(|(column, q)| column.push(*q));
+        let target = k % chain.targets().len().max(1);
+        let position = chain.targets().get(target).map_or_else(Vector3::zeros, |t| t.position);
+        let nominal = chain.forward(&q).apply(&position);
+        let off = |k: usize| 1e-3 * (3.0 * q[k] + q[(k + 2) % q.len()]).sin();
+        data.position.push([nominal.x + off(0), nominal.y + off(1), nominal.z + off(2)]);
+        data.target.push(chain.targets().get(target).map(|_| TargetId(target)));
+        let part = |root: f64| ((k + 1) as f64 * root).fract() - 0.5;
+        let force = Vector3::new(0.0, 600.0 * part(roots[6]), -500.0 * part(1.618_033_988_749_895));
+        let moment = Vector3::new(300.0 * part(std::f64::consts::E), 0.0, 0.0);
+        data.load.push(Load::Wrench(Wrench { force, moment }));
+    }
+    data
 }

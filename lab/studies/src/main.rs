@@ -3,7 +3,6 @@
 mod clock;
 mod closed_loop;
 mod discovery;
-mod document;
 mod draw;
 mod guard_band;
 mod harm;
@@ -12,19 +11,24 @@ mod kinds;
 mod orders;
 mod parts;
 mod pps;
+mod prelude;
 mod reliability;
 mod results;
 mod sensitivity;
 mod sessions;
+mod simulated;
 mod solvers;
+mod stats;
+mod table;
 mod unseen;
+mod words;
 
-use std::error::Error;
+use prelude::Outcome;
 use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-type Run = fn(&[String]) -> Result<(), Box<dyn Error>>;
+type Run = fn(&[String]) -> Outcome;
 
 const STUDIES: [(&str, Run); 12] = [
     ("closed-loop", closed_loop::run),
@@ -41,8 +45,8 @@ const STUDIES: [(&str, Run); 12] = [
     ("solvers", solvers::run),
 ];
 
-/// Folder for the tables and figures of a study.
-fn folder(study: &str) -> std::io::Result<PathBuf> {
+/// Folder for the records and tables of a study.
+pub fn folder(study: &str) -> std::io::Result<PathBuf> {
     let root = std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| PathBuf::from("target"), PathBuf::from);
     let folder = root.join("studies").join(study);
     std::fs::create_dir_all(&folder)?;
@@ -50,12 +54,12 @@ fn folder(study: &str) -> std::io::Result<PathBuf> {
 }
 
 /// The options of a study.
-fn asked<A: clap::Parser>(arguments: &[String]) -> Result<A, Box<dyn Error>> {
+pub fn parsed<A: clap::Parser>(arguments: &[String]) -> Outcome<A> {
     Ok(A::try_parse_from(std::iter::once("study").chain(arguments.iter().map(String::as_str)))?)
 }
 
 /// Text to the terminal.
-fn print(text: &str) {
+pub fn print(text: &str) {
     let _ = writeln!(std::io::stdout().lock(), "{text}");
 }
 

@@ -1,12 +1,8 @@
 //! Studies of several parts on numbered robots: `study NAME [PART…] [--robots N] [--half tuning|locked]`.
 
 use crate::journal::commit;
+use crate::prelude::*;
 use crate::results::keep;
-use crate::{asked, folder, print};
-use clap::{Parser, ValueEnum};
-use rayon::prelude::*;
-use std::error::Error;
-use std::fmt::Write;
 
 #[derive(Parser)]
 struct Options {
@@ -17,40 +13,30 @@ struct Options {
     half: Half,
 }
 
-/// Robots to work with, and robots to which nothing is tuned.
-#[derive(Clone, Copy, PartialEq, ValueEnum)]
-enum Half {
-    Tuning,
-    Locked,
-}
-
-/// What is asked of a part.
-pub struct Asked {
+/// The robots of a part.
+pub struct Scope {
     robots: u64,
     /// Whether the robots are those to which nothing is tuned.
     pub locked: bool,
 }
 
-impl Asked {
+impl Scope {
     /// One record a robot, of its number.
-    pub fn each<T: Send>(
-        &self,
-        one: impl Fn(u64) -> Result<T, Box<dyn Error>> + Sync,
-    ) -> Result<Vec<T>, Box<dyn Error>> {
-        let told = |number: u64| one(number).map_err(|error| format!("robot {number}: {error}"));
-        Ok((0..self.robots).into_par_iter().map(told).collect::<Result<Vec<T>, String>>()?)
+    pub fn each<T: Send>(&self, one: impl Fn(u64) -> Outcome<T> + Sync) -> Outcome<Vec<T>> {
+        let of = |number| one(number).map_err(|error| format!("robot {number}: {error}").into());
+        (0..self.robots).into_par_iter().map(of).collect()
     }
 }
 
-/// Runs the parts that were asked for, all of them where none is named, of `parts` with the number of robots of each. The table of each is
+/// Runs the requested parts, all of them where none is named, of `parts` with the number of robots of each. The table of each is
 /// printed and stands in the study's folder.
 pub fn run(
     study: &str,
     parts: &[(&'static str, u64)],
     arguments: &[String],
-    table: impl Fn(&str, &Asked) -> Result<String, Box<dyn Error>>,
-) -> Result<(), Box<dyn Error>> {
-    let options: Options = asked(arguments)?;
+    table: impl Fn(&str, &Scope) -> Outcome<String>,
+) -> Outcome {
+    let options: Options = parsed(arguments)?;
     let locked = options.half == Half::Locked;
     let known = |word: &String| {
         let part = parts.iter().find(|(name, _)| name == word);
@@ -61,12 +47,12 @@ pub fn run(
         wanted = parts.to_vec();
     }
     let mut all = String::new();
-    let half = if locked { "locked" } else { "tuning" };
+    let half = options.half.word();
     for (part, count) in wanted {
-        let part_of = Asked { robots: options.robots.unwrap_or(count), locked };
-        let table = table(part, &part_of)?;
+        let scope = Scope { robots: options.robots.unwrap_or(count), locked };
+        let table = table(part, &scope)?;
         let mut text = String::new();
-        writeln!(text, "{part}, {half} half, {} robots, commit {}\n{table}", part_of.robots, commit())?;
+        writeln!(text, "{part}, {half} half, {} robots, commit {}\n{table}", scope.robots, commit())?;
         std::fs::write(folder(study)?.join(format!("{part}.{half}.txt")), &text)?;
         print(&text);
         all += &(text + "\n");

@@ -1,43 +1,20 @@
-//! What is left of a run: records in `target/studies`, and its tables in `lab/results/STUDY.md`.
+//! What a run leaves: its tables in `lab/results/STUDY.md`, and the generated parts of `docs/reliability.md`.
 //!
-//! There a run has a section of its own, with its command, its commit and its date; it replaces the section of the same command.
+//! A run has a section of its own, with its command, its commit and its date; it replaces the section of the same command.
 
 use crate::journal::commit;
-use crate::{folder, print};
-use clap::Args;
-use std::error::Error;
+use crate::prelude::*;
 use std::fs;
-use std::path::{Path, PathBuf};
 use std::time::{SystemTime, UNIX_EPOCH};
 
-/// Where records are kept.
-#[derive(Args)]
-pub struct Kept {
-    /// Folder of the records, in place of the commit's.
-    #[arg(long)]
-    folder: Option<String>,
-}
-
-impl Kept {
-    /// The folder, which is made, and the commit.
-    pub fn open(&self, study: &str) -> Result<(PathBuf, String), Box<dyn Error>> {
-        let commit = commit();
-        let into = self.folder.clone().unwrap_or_else(|| commit.chars().take(12).collect());
-        let folder = folder(study)?.join(into);
-        fs::create_dir_all(&folder)?;
-        print(&format!("commit {commit}; {}", folder.display()));
-        Ok((folder, commit))
-    }
-}
-
 /// Ends a run: the text is printed, written to a file beside its records, and becomes its section of the results.
-pub fn finish(study: &str, file: &Path, text: &str) -> Result<(), Box<dyn Error>> {
+pub fn finish(study: &str, file: &Path, text: &str) -> Outcome {
     print(text);
     keep(study, file, text)
 }
 
 /// The same of a text that was printed as it was made.
-pub fn keep(study: &str, file: &Path, text: &str) -> Result<(), Box<dyn Error>> {
+pub fn keep(study: &str, file: &Path, text: &str) -> Outcome {
     fs::write(file, text)?;
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../results/{study}.md"));
     let page = fs::read_to_string(&path).unwrap_or_else(|_| {
@@ -53,6 +30,22 @@ pub fn keep(study: &str, file: &Path, text: &str) -> Result<(), Box<dyn Error>> 
     fs::write(&path, replaced(&page, &command, &section))?;
     print(&format!("records in {}; tables in lab/results/{study}.md", file.display()));
     Ok(())
+}
+
+/// Writes the part of this name of `docs/reliability.md`, between its two markers; other text is not changed.
+pub fn publish(part: &str, tables: &str) -> Outcome {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/reliability.md");
+    let text = fs::read_to_string(&path)?;
+    let published = published(&text, part, tables)
+        .ok_or_else(|| format!("{}: the markers of `{part}` are missing", path.display()))?;
+    Ok(fs::write(&path, published)?)
+}
+
+fn published(text: &str, part: &str, tables: &str) -> Option<String> {
+    let (begin, end) = (format!("<!-- study {part}: begin -->"), format!("<!-- study {part}: end -->"));
+    let (before, rest) = text.split_once(&begin)?;
+    let (_, after) = rest.split_once(&end)?;
+    Some(format!("{before}{begin}\n\n{}\n\n{end}{after}", tables.trim()))
 }
 
 /// A word as it is typed.
@@ -106,5 +99,19 @@ mod tests {
             [0, 59, 11_016, 20_785].map(date),
             ["1970-01-01", "1970-03-01", "2000-02-29", "2026-11-28"]
         );
+    }
+
+    #[test]
+    fn other_text_of_the_document_is_unchanged() {
+        let marked = |inside: &str| format!("<!-- study one: begin -->{inside}<!-- study one: end -->");
+        let other = "<!-- study two: begin -->x<!-- study two: end -->";
+        let text = format!("# A\n\n{}\n\nmore\n{other}", marked("\nold\n"));
+        let new = published(&text, "one", "| a |\n").expect("markers");
+        assert_eq!(new, format!("# A\n\n{}\n\nmore\n{other}", marked("\n\n| a |\n\n")));
+        assert!(published("no markers", "one", "x").is_none());
+        for part in ["reliability", "unseen tuning", "unseen locked", "unseen locked-2", "unseen locked-5"] {
+            let document = include_str!("../../../docs/reliability.md");
+            assert!(published(document, part, "").is_some(), "{part}");
+        }
     }
 }

@@ -1,15 +1,14 @@
 //! The figure: two panels with logarithmic axes, each with the power that was fitted.
 
 use super::Series;
-use crate::workload::Failure;
+use crate::prelude::*;
 use plotters::coord::Shift;
 use plotters::prelude::*;
-use std::path::Path;
 
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 
 /// Draws both series side by side.
-pub fn draw(path: &Path, rows: &Series, unknowns: &Series) -> Result<(), Failure> {
+pub fn draw(path: &Path, rows: &Series, unknowns: &Series) -> Outcome {
     let root = SVGBackend::new(path, (900, 360)).into_drawing_area();
     root.fill(&WHITE)?;
     let (left, right) = root.split_horizontally(450);
@@ -19,7 +18,7 @@ pub fn draw(path: &Path, rows: &Series, unknowns: &Series) -> Result<(), Failure
     Ok(())
 }
 
-fn panel(area: &Area<'_>, series: &Series, words: &str) -> Result<(), Failure> {
+fn panel(area: &Area<'_>, series: &Series, words: &str) -> Outcome {
     let [x, t] = [0, 1].map(|k| {
         let of = |p: &(f64, f64)| if k == 0 { p.0 } else { p.1 };
         let least = series.points.iter().map(of).fold(f64::INFINITY, f64::min);

@@ -8,18 +8,15 @@
 //! Rows come from memory in blocks, again and again beyond the first quarter of a million, as from a file that is larger than memory; reading
 //! is not timed.
 
+use crate::prelude::*;
 mod figure;
 mod rows;
 
-use crate::workload::Failure;
-use crate::{clock, say};
-use rows::{Blocks, points};
-use std::path::Path;
+use rows::Blocks;
 use truepose_errormodel::effects::{Polynomial, WrenchComponent};
-use truepose_errormodel::{AnyEffect, ErrorModel};
 use truepose_identify::{FitOptions, PriorStrength, StreamedOptions, fit, identify_streamed};
-use truepose_kinematics::{Axis, Chain, JointId, samples};
-use truepose_solvers::PivotedQr;
+use truepose_kinematics::{Axis, samples};
+use truepose_micro::points;
 
 /// One measured series.
 pub struct Series {
@@ -36,7 +33,7 @@ const UNKNOWNS: [usize; 9] = [20, 35, 60, 100, 170, 300, 500, 700, 1000];
 const POINTS: usize = 5_000;
 
 /// Measures both, prints them, and draws the figure.
-pub fn run(figure: &Path) -> Result<(), Failure> {
+pub fn run(figure: &Path) -> Outcome {
     let load = clock::load();
     let chain = samples::pps();
     let options = FitOptions { refine: false, prior: PriorStrength::None, ..FitOptions::default() };
@@ -54,7 +51,7 @@ pub fn run(figure: &Path) -> Result<(), Failure> {
         by_rows.take(rows, cpu, &format!("{rank} grouped errors"));
     }
 
-    let data = points(&chain, 0, POINTS)?;
+    let data = points(&chain, 0, POINTS);
     let mut by_unknowns = Series { name: "unknowns", points: Vec::new() };
     for aim in UNKNOWNS {
         let model = nearest(&chain, aim)?;
@@ -69,11 +66,7 @@ pub fn run(figure: &Path) -> Result<(), Failure> {
         std::fs::create_dir_all(folder)?;
     }
     figure::draw(figure, &by_rows, &by_unknowns)?;
-    say(&format!(
-        "{}, one thread; load {load:.1} at the beginning, {:.1} at the end",
-        clock::processor(),
-        clock::load()
-    ));
+    say_machine("one thread", load);
     say(&format!("written to {}", figure.display()));
     Ok(())
 }
@@ -110,7 +103,7 @@ fn effects(degree: u32, wrench: usize, components: usize) -> Vec<Box<dyn AnyEffe
 }
 
 /// The polynomial whose number of columns is nearest to this one.
-fn nearest(chain: &Chain, aim: usize) -> Result<ErrorModel, Failure> {
+fn nearest(chain: &Chain, aim: usize) -> Outcome<ErrorModel> {
     let mut best: Option<ErrorModel> = None;
     for components in [1, 2, 3, 6] {
         for wrench in 0..=3 {

@@ -1,10 +1,8 @@
-//! Points of the paper's robot: spread over its travels, with and without a load, off by a smooth error.
+//! Points of the paper's robot in blocks.
 
-use crate::workload::Failure;
-use truepose_errormodel::{Dataset, Schema};
+use crate::prelude::*;
 use truepose_identify::{IdentifyError, Source};
-use truepose_kinematics::nalgebra::Vector3;
-use truepose_kinematics::{Chain, Load, TargetId, Wrench};
+use truepose_micro::points;
 
 /// Rows of a block, and how many different blocks there are.
 const BLOCK: usize = 16_384;
@@ -28,16 +26,16 @@ impl<'a> Blocks<'a> {
 impl Source for Blocks<'_> {
     type Error = Failure;
 
-    fn sample(&mut self, rows: usize) -> Result<Dataset, Failure> {
-        points(self.chain, 0, rows.min(self.rows))
+    fn sample(&mut self, rows: usize) -> Outcome<Dataset> {
+        Ok(points(self.chain, 0, rows.min(self.rows)))
     }
 
-    fn each(&mut self, take: &mut dyn FnMut(&Dataset) -> Result<(), IdentifyError>) -> Result<(), Failure> {
+    fn each(&mut self, take: &mut dyn FnMut(&Dataset) -> Result<(), IdentifyError>) -> Outcome {
         let mut left = self.rows;
         let mut k = 0;
         while left > 0 {
             if k % DIFFERENT >= self.blocks.len() {
-                self.blocks.push(points(self.chain, k * BLOCK, BLOCK)?);
+                self.blocks.push(points(self.chain, k * BLOCK, BLOCK));
             }
             let block = &self.blocks[k % DIFFERENT];
             match left < BLOCK {
@@ -49,41 +47,4 @@ impl Source for Blocks<'_> {
         }
         Ok(())
     }
-}
-
-/// So many points, from this one on.
-pub fn points(chain: &Chain, first: usize, count: usize) -> Result<Dataset, Failure> {
-    let movable = chain.movable();
-    // Multiples of square roots of primes, modulo one, fill a cube evenly (Weyl 1916).
-    let roots: Vec<f64> = [2.0_f64, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0].iter().map(|p| p.sqrt()).collect();
-    let mut data = Dataset {
-        schema: Schema { load: true, ..Schema::default() },
-        joints: vec![Vec::with_capacity(count); movable.len()],
-        approach: vec![vec![0.0; count]; movable.len()],
-        position_sd: vec![[f64::NAN; 3]; count],
-        orientation: vec![None; count],
-        orientation_sd: vec![[f64::NAN; 3]; count],
-        visit: (0..count).collect(),
-        time: vec![0.0; count],
-        ..Dataset::default()
-    };
-    let mut q = vec![0.0; movable.len()];
-    for k in first..first + count {
-        for (j, (value, &joint)) in q.iter_mut().zip(movable).enumerate() {
-            let (lower, upper) = chain.joint(joint).limits.ok_or("the robot has limits")?;
-            *value = lower + (upper - lower) * ((k + 1) as f64 * roots[j]).fract();
-        }
-        data.joints.iter_mut().zip(&q).for_each(|(column, q)| column.push(*q));
-        let target = k % chain.targets().len().max(1);
-        let position = chain.targets().get(target).map_or_else(Vector3::zeros, |t| t.position);
-        let nominal = chain.forward(&q).apply(&position);
-        let off = |k: usize| 1e-3 * (3.0 * q[k] + q[(k + 2) % q.len()]).sin();
-        data.position.push([nominal.x + off(0), nominal.y + off(1), nominal.z + off(2)]);
-        data.target.push(chain.targets().get(target).map(|_| TargetId(target)));
-        let part = |root: f64| ((k + 1) as f64 * root).fract() - 0.5;
-        let force = Vector3::new(0.0, 600.0 * part(roots[6]), -500.0 * part(1.618_033_988_749_895));
-        let moment = Vector3::new(300.0 * part(std::f64::consts::E), 0.0, 0.0);
-        data.load.push(Load::Wrench(Wrench { force, moment }));
-    }
-    Ok(data)
 }

@@ -1,16 +1,8 @@
 //! W6: 100 000 commands that bring an elastic 6R arm to within 0.1 µm of desired poses.
 
-use crate::robots::{dataset, robot};
-use crate::table::Table;
-use crate::workload::{Answer, Bound, Declared, Failure, Way, Workload};
-use std::cell::RefCell;
-use std::path::Path;
-use std::rc::Rc;
+use crate::prelude::*;
 use truepose_compensate::{Command, CommandRequest, Compensator, CompensatorOptions, Status, Target};
-use truepose_errormodel::effects::{Geometric, JointCompliance};
-use truepose_errormodel::{ErrorModel, FittedModel, Schema};
-use truepose_kinematics::nalgebra::DMatrix;
-use truepose_kinematics::{Conditions, rotation_log};
+use truepose_kinematics::rotation_log;
 
 /// As the program takes them.
 const TOGETHER: usize = 64;
@@ -18,7 +10,7 @@ const TOGETHER: usize = 64;
 const TOLERANCE: f64 = 1e-7;
 
 /// The peers' errors behind each joint, and its compliances.
-fn fitted(folder: &Path) -> Result<FittedModel, Failure> {
+fn fitted(folder: &Path) -> Outcome<FittedModel> {
     let chain = robot(&folder.join("arm6r.json"))?;
     let (errors, yields) =
         (Table::read(&folder.join("arm6r_errors.csv"))?, Table::read(&folder.join("arm6r_compliance.csv"))?);
@@ -38,9 +30,9 @@ fn fitted(folder: &Path) -> Result<FittedModel, Failure> {
     Ok(FittedModel::new(model, coefficients, DMatrix::zeros(p, p))?)
 }
 
-fn prepare(folder: &Path) -> Result<Way, Failure> {
+fn prepare(folder: &Path) -> Outcome<Way> {
     let fitted: &'static FittedModel = Box::leak(Box::new(fitted(folder)?));
-    let data = dataset(&Table::read(&folder.join("w6.csv"))?, 6, |_| true)?;
+    let data = rows_of(folder, "w6.csv")?;
     let conditions: Vec<Conditions> = (0..data.len()).map(|row| data.conditions(row)).collect();
     let target = |row| {
         let turned = data.measured_rotation(row).unwrap_or_default();
@@ -103,10 +95,10 @@ fn prepare(folder: &Path) -> Result<Way, Failure> {
 }
 
 /// Compensated commands.
-pub const W6: Workload = Workload {
-    name: "W6",
-    about: "100 000 commands to 0.1 µm, elastic 6R",
-    bound: Bound { flops: 660e6, bytes: 0.0 },
-    agree: &[("ok", 9)],
-    ways: &[Declared { name: "list", asked: &[("numba", 0.5)], prepare }],
-};
+pub const W6: Workload = Workload::of(
+    "W6",
+    "100 000 commands to 0.1 µm, elastic 6R",
+    [660e6, 0.0],
+    &[("ok", 9)],
+    &[Declared::of("list", &[("numba", 0.5)], prepare)],
+);

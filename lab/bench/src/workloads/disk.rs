@@ -4,19 +4,14 @@
 //! Our table is the peers' with columns as our files name them: once made, it lies beside theirs. The peer reads its own.
 
 use super::{answer_of_points, of_points, paper, shared_with};
-use crate::robots::dataset;
-use crate::table::Table;
-use crate::workload::{Declared, Failure, Way, Workload};
+use crate::prelude::*;
 use std::fs::File;
 use std::io::{BufRead, BufReader, BufWriter, Write};
-use std::path::{Path, PathBuf};
-use truepose_errormodel::Dataset;
+use std::path::PathBuf;
 use truepose_identify::{
     FitOptions, IdentifyError, PriorStrength, Source, StreamedOptions, identify_streamed,
 };
 use truepose_io::{MeasurementsOptions, MeasurementsReader, sample_measurements, write_fit};
-use truepose_kinematics::Chain;
-use truepose_solvers::PivotedQr;
 
 /// Rows of a block, as the program reads them.
 const BLOCK: usize = 16384;
@@ -30,11 +25,11 @@ struct Rows<'a> {
 impl Source for Rows<'_> {
     type Error = Failure;
 
-    fn sample(&mut self, rows: usize) -> Result<Dataset, Failure> {
+    fn sample(&mut self, rows: usize) -> Outcome<Dataset> {
         Ok(sample_measurements(self.path, self.chain, &MeasurementsOptions::default(), rows)?)
     }
 
-    fn each(&mut self, take: &mut dyn FnMut(&Dataset) -> Result<(), IdentifyError>) -> Result<(), Failure> {
+    fn each(&mut self, take: &mut dyn FnMut(&Dataset) -> Result<(), IdentifyError>) -> Outcome {
         let mut reader = MeasurementsReader::open(self.path, self.chain, &MeasurementsOptions::default())?;
         let mut block = Dataset::default();
         while reader.read_block(BLOCK, &mut block)? > 0 {
@@ -45,7 +40,7 @@ impl Source for Rows<'_> {
 }
 
 /// The peers' table as one of ours: `target,q1…q6,w,mx,my,mz` with the load as the y component of a measured force.
-fn made(folder: &Path, from: &str) -> Result<PathBuf, Failure> {
+fn made(folder: &Path, from: &str) -> Outcome<PathBuf> {
     let path = folder.join(format!("truepose_{from}"));
     if path.exists() {
         return Ok(path);
@@ -74,7 +69,7 @@ fn made(folder: &Path, from: &str) -> Result<PathBuf, Failure> {
     Ok(path)
 }
 
-fn way(folder: &Path, file: &'static str) -> Result<Way, Failure> {
+fn way(folder: &Path, file: &'static str) -> Outcome<Way> {
     let (data, model) = (made(folder, file)?, paper::model(folder)?);
     let (fit, own) = (data.with_extension("fit.json"), folder.to_path_buf());
     let also = model.clone();
@@ -91,7 +86,7 @@ fn way(folder: &Path, file: &'static str) -> Result<Way, Failure> {
         }
     };
     shared_with(run, move |(rank, coefficients): &(usize, Vec<f64>)| {
-        let data = dataset(&Table::read(&own.join(file))?, 6, |_| true)?;
+        let data = rows_of(&own, file)?;
         answer_of_points(&also, &data, *rank, coefficients)
     })
 }
@@ -105,12 +100,12 @@ const BYTES: f64 = 190.0;
 pub const DISK_200K: Workload = of_points(
     ("W3-disk-200k", "200 000 points from a table on disk to a fit on disk"),
     (2e5, BYTES),
-    &[Declared { name: "streamed", asked: ASKED, prepare: |folder| way(folder, "w3_200k.csv") }],
+    &[Declared::of("streamed", ASKED, |folder| way(folder, "w3_200k.csv"))],
 );
 
 /// A million.
 pub const DISK_1M: Workload = of_points(
     ("W3-disk-1m", "1 000 000 points from a table on disk to a fit on disk"),
     (1e6, BYTES),
-    &[Declared { name: "streamed", asked: ASKED, prepare: |folder| way(folder, "w3_1m.csv") }],
+    &[Declared::of("streamed", ASKED, |folder| way(folder, "w3_1m.csv"))],
 );

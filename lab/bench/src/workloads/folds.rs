@@ -2,16 +2,13 @@
 
 use super::paper::{PLAIN, model};
 use super::shared;
-use crate::robots::dataset;
-use crate::table::Table;
-use crate::workload::{Bound, Declared, Failure, Way, Workload};
-use std::path::Path;
+use crate::prelude::*;
 use truepose_errormodel::Visits;
 use truepose_identify::engine::{gram, left_out};
 
-fn way(folder: &Path) -> Result<Way, Failure> {
+fn way(folder: &Path) -> Outcome<Way> {
     let model = model(folder)?;
-    let data = dataset(&Table::read(&folder.join("w1.csv"))?, 6, |_| true)?;
+    let data = rows_of(folder, "w1.csv")?;
     let folds = Table::read(&folder.join("w4_folds.csv"))?.series("rep", 0..10)?;
     let folds: Vec<Vec<usize>> = folds.iter().map(|f| f.iter().map(|v| *v as usize).collect()).collect();
     let zero = vec![0.0; model.columns().len()];
@@ -42,10 +39,10 @@ fn way(folder: &Path) -> Result<Way, Failure> {
 }
 
 /// 100 refits and leave-one-out.
-pub const W4: Workload = Workload {
-    name: "W4",
-    about: "10 × 10-fold cross-validation and leave-one-out, 4 050 rows, 224 columns",
-    bound: Bound { flops: 3.1e9, bytes: 0.0 },
-    agree: &[("rank", 9), ("cv_rms_um", 9), ("loo_rms_um", 9)],
-    ways: &[Declared { name: "gram", asked: &[("numpy-gram", 0.5)], prepare: way }],
-};
+pub const W4: Workload = Workload::of(
+    "W4",
+    "10 × 10-fold cross-validation and leave-one-out, 4 050 rows, 224 columns",
+    [3.1e9, 0.0],
+    &[("rank", 9), ("cv_rms_um", 9), ("loo_rms_um", 9)],
+    &[Declared::of("gram", &[("numpy-gram", 0.5)], way)],
+);

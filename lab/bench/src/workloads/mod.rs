@@ -1,5 +1,6 @@
 //! The workloads, one file each.
 
+use crate::prelude::*;
 mod arm;
 mod commands;
 mod disk;
@@ -8,10 +9,6 @@ mod paper;
 mod points;
 mod postures;
 
-use crate::workload::{Answer, Bound, Declared, Failure, Way, Workload};
-use std::cell::RefCell;
-use std::rc::Rc;
-use truepose_errormodel::{Dataset, ErrorModel};
 use truepose_identify::Residuals;
 use truepose_identify::engine::left_over;
 
@@ -24,7 +21,7 @@ pub const ALL: &[Workload] = &[
     disk::DISK_200K,
     disk::DISK_1M,
     folds::W4,
-    arm::W5,
+    postures::W5,
     commands::W6,
     arm::W7,
     postures::GRAM,
@@ -33,15 +30,15 @@ pub const ALL: &[Workload] = &[
 ];
 
 /// A way whose runs leave their answer behind.
-fn shared(run: impl FnMut() -> Result<Answer, Failure> + 'static) -> Result<Way, Failure> {
+fn shared(run: impl FnMut() -> Outcome<Answer> + 'static) -> Outcome<Way> {
     shared_with(run, |answer: &Answer| Ok(answer.clone()))
 }
 
 /// A way whose runs leave behind what the answer is then made of.
 fn shared_with<T: 'static>(
-    mut run: impl FnMut() -> Result<T, Failure> + 'static,
-    mut answer: impl FnMut(&T) -> Result<Answer, Failure> + 'static,
-) -> Result<Way, Failure> {
+    mut run: impl FnMut() -> Outcome<T> + 'static,
+    mut answer: impl FnMut(&T) -> Outcome<Answer> + 'static,
+) -> Outcome<Way> {
     let last = Rc::new(RefCell::new(None));
     let kept = last.clone();
     Ok(Way {
@@ -61,8 +58,7 @@ const fn of_points(
 ) -> Workload {
     let r = 224.0;
     let flops = points * (3.0 * r * (r + 1.0) + 9.0 * r + 900.0) + r * r * r / 3.0;
-    let bound = Bound { flops, bytes: points * bytes };
-    Workload { name, about, bound, agree: &[("rank", 9), ("rms_fit_um", 9)], ways }
+    Workload::of(name, about, [flops, points * bytes], &[("rank", 9), ("rms_fit_um", 9)], ways)
 }
 
 /// The answer over points: the rank, and what these coefficients leave.
@@ -71,7 +67,7 @@ fn answer_of_points(
     data: &Dataset,
     rank: usize,
     coefficients: &[f64],
-) -> Result<Answer, Failure> {
+) -> Outcome<Answer> {
     let zero = vec![0.0; coefficients.len()];
     let residual = Residual::of(&left_over(model, data, &zero, coefficients)?);
     Ok(Answer::from([("rank".into(), rank as f64), ("rms_fit_um".into(), residual.position_um)]))

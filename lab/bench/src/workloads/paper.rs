@@ -1,25 +1,20 @@
 //! W1: the paper's identification. 3 546 rows, 318 terms, rank 224.
 
 use super::{Residual, shared};
-use crate::robots::{dataset, robot};
-use crate::table::Table;
-use crate::workload::{Bound, Declared, Failure, Way, Workload};
-use std::path::Path;
+use crate::prelude::*;
 use truepose_errormodel::effects::{Polynomial, WrenchComponent};
-use truepose_errormodel::{Dataset, ErrorModel};
 use truepose_identify::{NoiseModel, Way as By, plain};
-use truepose_kinematics::JointId;
 use truepose_solvers::RankRule;
 
 /// The peers' 318 terms.
-pub fn model(folder: &Path) -> Result<ErrorModel, Failure> {
+pub fn model(folder: &Path) -> Outcome<ErrorModel> {
     let mut polynomial = Polynomial::of(3, vec![WrenchComponent::Fy]);
     polynomial.small = vec![JointId(5), JointId(6)];
     Ok(ErrorModel::new(robot(&folder.join("pps.json"))?, vec![Box::new(polynomial)])?)
 }
 
 /// The rows that the peers fit.
-pub fn rows(folder: &Path) -> Result<Dataset, Failure> {
+pub fn rows(folder: &Path) -> Outcome<Dataset> {
     let table = Table::read(&folder.join("w1.csv"))?;
     let used = table.column("use")?.to_vec();
     dataset(&table, 6, |row| used[row] > 0.5)
@@ -31,7 +26,7 @@ pub const PLAIN: NoiseModel = NoiseModel { position_sd: 1.0, visit_sd: 0.0, orie
 /// What the peers' rank rule is on columns of length one.
 pub const STABLE: By = By::Stable(RankRule::Relative(1e-9));
 
-fn way(folder: &Path, by: By) -> Result<Way, Failure> {
+fn way(folder: &Path, by: By) -> Outcome<Way> {
     let (model, data) = (model(folder)?, rows(folder)?);
     shared(move || {
         let found = plain(&model, &data, PLAIN, None, by, 1)?;
@@ -44,21 +39,17 @@ fn way(folder: &Path, by: By) -> Result<Way, Failure> {
 }
 
 /// The paper's identification.
-pub const W1: Workload = Workload {
-    name: "W1",
-    about: "the paper's identification, 3 546 rows, 318 terms",
-    bound: Bound { flops: 374e6, bytes: 0.0 },
-    agree: &[("rank", 9), ("rms_fit_um", 9)],
-    ways: &[
-        Declared {
-            name: "gram",
-            asked: &[("numpy-gram", 0.7), ("numba-gram", 0.7)],
-            prepare: |folder| way(folder, By::Guarded(1e6)),
-        },
-        Declared {
-            name: "stable",
-            asked: &[("numpy-gram", 0.8), ("numba-gram", 0.8), ("numpy-qr", 0.4)],
-            prepare: |folder| way(folder, STABLE),
-        },
+pub const W1: Workload = Workload::of(
+    "W1",
+    "the paper's identification, 3 546 rows, 318 terms",
+    [374e6, 0.0],
+    &[("rank", 9), ("rms_fit_um", 9)],
+    &[
+        Declared::of("gram", &[("numpy-gram", 0.7), ("numba-gram", 0.7)], |folder| {
+            way(folder, By::Guarded(1e6))
+        }),
+        Declared::of("stable", &[("numpy-gram", 0.8), ("numba-gram", 0.8), ("numpy-qr", 0.4)], |folder| {
+            way(folder, STABLE)
+        }),
     ],
-};
+);

@@ -2,21 +2,17 @@
 
 use super::paper::{PLAIN, STABLE, model, rows};
 use super::{answer_of_points, of_points, shared_with};
-use crate::robots::dataset;
-use crate::table::Table;
-use crate::workload::{Declared, Failure, Way, Workload};
-use std::path::Path;
-use truepose_errormodel::Dataset;
+use crate::prelude::*;
 use truepose_identify::{Way as By, plain};
 
 /// The columns that W1's rows tell apart: chosen once, as the peers choose theirs.
-pub fn columns(folder: &Path) -> Result<Vec<usize>, Failure> {
+pub fn columns(folder: &Path) -> Outcome<Vec<usize>> {
     Ok(plain(&model(folder)?, &rows(folder)?, PLAIN, None, STABLE, 1)?.kept)
 }
 
-fn way(folder: &Path, file: &str, by: By) -> Result<Way, Failure> {
+fn way(folder: &Path, file: &str, by: By) -> Outcome<Way> {
     let (model, kept) = (model(folder)?, columns(folder)?);
-    let data: Dataset = dataset(&Table::read(&folder.join(file))?, 6, |_| true)?;
+    let data: Dataset = rows_of(folder, file)?;
     let (also, again) = (model.clone(), data.clone());
     let run = move || {
         let found = plain(&model, &data, PLAIN, Some(&kept), by, 1)?;
@@ -37,16 +33,12 @@ const BYTES: f64 = 88.0;
 pub const W3_200K: Workload = of_points(
     ("W3-200k", "200 000 points, 224 columns, in memory"),
     (2e5, BYTES),
-    &[Declared {
-        name: "gram",
-        asked: ASKED,
-        prepare: |folder| way(folder, "w3_200k.csv", By::Guarded(1e6)),
-    }],
+    &[Declared::of("gram", ASKED, |folder| way(folder, "w3_200k.csv", By::Guarded(1e6)))],
 );
 
 /// A million.
 pub const W3_1M: Workload = of_points(
     ("W3-1m", "1 000 000 points, 224 columns, in memory"),
     (1e6, BYTES),
-    &[Declared { name: "gram", asked: ASKED, prepare: |folder| way(folder, "w3_1m.csv", By::Guarded(1e6)) }],
+    &[Declared::of("gram", ASKED, |folder| way(folder, "w3_1m.csv", By::Guarded(1e6)))],
 );

@@ -1,18 +1,12 @@
-//! What is made of a million error Jacobians, beside the Jacobians themselves (W5): their sums of products, variances of poses, and the packed
-//! layout. The peers are in `jacobian_peers.py`.
+//! W5: a million error Jacobians; and what is made of them: their sums of products, variances of poses, the packed layout. The peers are in `jacobian_peers.py`.
 
 use super::shared;
-use crate::robots::robot;
-use crate::table::Table;
-use crate::workload::{Bound, Declared, Failure, Way, Workload};
-use std::cell::RefCell;
-use std::path::Path;
-use std::rc::Rc;
-use truepose_errormodel::lanes::{JacobianGram, LANES, PACKED, error_jacobians_packed, error_variances};
-use truepose_kinematics::Chain;
-use truepose_kinematics::nalgebra::DMatrix;
+use crate::prelude::*;
+use truepose_errormodel::lanes::{
+    JacobianGram, LANES, PACKED, error_jacobians, error_jacobians_packed, error_variances,
+};
 
-fn postures(folder: &Path) -> Result<(Chain, Vec<Vec<f64>>), Failure> {
+fn postures(folder: &Path) -> Outcome<(Chain, Vec<Vec<f64>>)> {
     let chain = robot(&folder.join("arm6r.json"))?;
     Ok((chain, Table::read(&folder.join("w5.csv"))?.series("q", 1..7)?))
 }
@@ -21,7 +15,7 @@ fn columns(joints: &[Vec<f64>]) -> Vec<&[f64]> {
     joints.iter().map(Vec::as_slice).collect()
 }
 
-fn gram(folder: &Path) -> Result<Way, Failure> {
+fn gram(folder: &Path) -> Outcome<Way> {
     let (chain, joints) = postures(folder)?;
     shared(move || {
         let gram = JacobianGram::of(&chain, &columns(&joints))?;
@@ -30,7 +24,7 @@ fn gram(folder: &Path) -> Result<Way, Failure> {
     })
 }
 
-fn variances(folder: &Path) -> Result<Way, Failure> {
+fn variances(folder: &Path) -> Outcome<Way> {
     let (chain, joints) = postures(folder)?;
     // Within each frame alone and the same along its axes: the peers' frames are turned by right angles. Nobody makes use of the zeros.
     let covariance =
@@ -47,13 +41,26 @@ fn variances(folder: &Path) -> Result<Way, Failure> {
     })
 }
 
-fn packed(folder: &Path) -> Result<Way, Failure> {
+fn full(folder: &Path) -> Outcome<Way> {
+    jacobians(folder, 36 * 6, |chain, columns, into| Ok(error_jacobians(chain, columns, into)?))
+}
+
+fn packed(folder: &Path) -> Outcome<Way> {
+    let size = PACKED * postures(folder)?.0.joints().len();
+    jacobians(folder, size, |chain, columns, into| Ok(error_jacobians_packed(chain, columns, into)?))
+}
+
+/// Jacobians of this many numbers into a warm buffer.
+fn jacobians(
+    folder: &Path,
+    size: usize,
+    fill: impl Fn(&Chain, &[&[f64]], &mut [f64]) -> Outcome + 'static,
+) -> Outcome<Way> {
     let (chain, joints) = postures(folder)?;
     let rows = joints[0].len();
-    let size = PACKED * chain.joints().len();
     let into = Rc::new(RefCell::new(vec![0.0; rows.div_ceil(LANES) * size * LANES]));
     let made = into.clone();
-    let run = move || Ok(error_jacobians_packed(&chain, &columns(&joints), &mut made.borrow_mut())?);
+    let run = move || fill(&chain, &columns(&joints), &mut made.borrow_mut());
     let check = move || {
         // Postures that are not there fill the last block.
         let sum = |(row, numbers): (usize, &[f64])| -> f64 {
@@ -64,33 +71,38 @@ fn packed(folder: &Path) -> Result<Way, Failure> {
     Ok(Way { run: Box::new(run), check: Box::new(check) })
 }
 
+/// A million error Jacobians.
+pub const W5: Workload = Workload::of(
+    "W5",
+    "a million error Jacobians (6 × 36) into a warm buffer",
+    [900e6, 1.728e9],
+    &[("checksum", 9)],
+    &[Declared::of("lanes", &[("numba", 0.3), ("numpy", 0.3)], full)],
+);
+
 /// Σ JᵀJ, of which singular values and observability indices are a matter of microseconds.
-pub const GRAM: Workload = Workload {
-    name: "J-gram",
-    about: "sums of products of a million error Jacobians, 36 × 36",
-    bound: Bound { flops: 4.8e9, bytes: 0.0 },
-    agree: &[("checksum", 9)],
-    ways: &[Declared {
-        name: "fused",
-        asked: &[("numba-blas", 0.2), ("numba-loops", 0.2), ("numpy", 0.2)],
-        prepare: gram,
-    }],
-};
+pub const GRAM: Workload = Workload::of(
+    "J-gram",
+    "sums of products of a million error Jacobians, 36 × 36",
+    [4.8e9, 0.0],
+    &[("checksum", 9)],
+    &[Declared::of("fused", &[("numba-blas", 0.2), ("numba-loops", 0.2), ("numpy", 0.2)], gram)],
+);
 
 /// Variances of the tool's pose.
-pub const VARIANCES: Workload = Workload {
-    name: "J-variances",
-    about: "variances of a million poses, of the covariance of 36 errors",
-    bound: Bound { flops: 5.9e9, bytes: 0.0 },
-    agree: &[("checksum", 9)],
-    ways: &[Declared { name: "fused", asked: &[("numba-blas", 0.2)], prepare: variances }],
-};
+pub const VARIANCES: Workload = Workload::of(
+    "J-variances",
+    "variances of a million poses, of the covariance of 36 errors",
+    [5.9e9, 0.0],
+    &[("checksum", 9)],
+    &[Declared::of("fused", &[("numba-blas", 0.2)], variances)],
+);
 
 /// Half of W5's numbers.
-pub const PACKED_JACOBIANS: Workload = Workload {
-    name: "J-packed",
-    about: "a million error Jacobians without zeros and copies (6 × 18) into a warm buffer",
-    bound: Bound { flops: 900e6, bytes: 0.864e9 },
-    agree: &[("checksum", 9)],
-    ways: &[Declared { name: "packed", asked: &[("numba", 0.5)], prepare: packed }],
-};
+pub const PACKED_JACOBIANS: Workload = Workload::of(
+    "J-packed",
+    "a million error Jacobians without zeros and copies (6 × 18) into a warm buffer",
+    [900e6, 0.864e9],
+    &[("checksum", 9)],
+    &[Declared::of("packed", &[("numba", 0.5)], packed)],
+);

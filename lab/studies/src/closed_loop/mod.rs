@@ -9,18 +9,11 @@
 //!
 //! `--only ROBOT` takes one kind alone, `--visits N` so many configurations, `--driven` leaves the round trips out.
 
+use crate::prelude::*;
 pub mod robots;
 mod trial;
 
-pub use robots::Robot;
-
-use crate::results::finish;
-use crate::{asked, folder, print};
-use clap::Parser;
-use std::error::Error;
-use std::fmt::Write;
-use std::time::Instant;
-use trial::{Asked, Counts, Executed, Trial};
+use trial::{Counts, Request, Trial};
 
 /// Plants of each kind, and poses of each round trip.
 const PLANTS: u64 = 3;
@@ -41,138 +34,71 @@ struct Options {
 }
 
 /// Runs the study.
-pub fn run(arguments: &[String]) -> Result<(), Box<dyn Error>> {
-    let Options { only, visits, driven } = asked(arguments)?;
+pub fn run(arguments: &[String]) -> Outcome {
+    let Options { only, visits, driven } = parsed(arguments)?;
     let folder = folder("closed-loop")?;
-    let (mut executions, mut trips) = (String::new(), String::new());
-    let (mut execution_csv, mut trip_csv) = (
-        String::from(
-            "robot,plant,visits,ok,before_mm,after_mm,after_max_mm,repeatability_mm,ratio_before,ratio,rows,in_band\n",
-        ),
-        String::from(
-            "robot,asked,seeded,poses,ok,unreachable,limit,not_converged,position_m,orientation_rad,seconds\n",
-        ),
+    let mut executions = Table::columns(
+        "robot -8|plant 6|ok 9|before mm 10|after µm 9|max µm 9|repeat µm 8|× before 8|× after 8|in band 9",
     );
-    writeln!(
-        executions,
-        "{:8} {:>6} {:>9} {:>10} {:>9} {:>9} {:>8} {:>8} {:>8} {:>8}",
-        "robot",
-        "plant",
-        "ok",
-        "before mm",
-        "after µm",
-        "max µm",
-        "repeat µm",
-        "× before",
-        "× after",
-        "in band"
-    )?;
-    writeln!(
-        trips,
-        "{:8} {:>10} {:>7} {:>8} {:>12} {:>8} {:>14} {:>9} {:>9} {:>8}",
-        "robot", "asked", "ok", "limit", "unreachable", "not conv.", "beyond limits", "m", "rad", "µs each"
-    )?;
-    let (mut rows, mut within) = (0, 0);
-    for robot in robots::all().into_iter().filter(|robot| robot.name.contains(&only)) {
+    let mut trips = Table::columns(
+        "robot -8|asked 10|ok 7|limit 8|unreachable 12|not conv. 8|beyond limits 14|m 9|rad 9|µs each 8",
+    );
+    let mut execution_csv = String::from(
+        "robot,plant,visits,ok,before_mm,after_mm,after_max_mm,repeatability_mm,ratio_before,ratio,rows,in_band\n",
+    );
+    let mut trip_csv = String::from(
+        "robot,asked,seeded,poses,ok,unreachable,limit,not_converged,position_m,orientation_rad,seconds\n",
+    );
+    let mut all = Fraction::of([]);
+    for robot in robots::all()?.into_iter().filter(|robot| robot.name.contains(&only)) {
         for plant in 0..PLANTS {
             let trial = Trial::new(&robot, 40 + 10 * plant, visits.unwrap_or(robot.visits))?;
             let d = trial.execute()?;
-            execution_line(&mut executions, &mut execution_csv, robot.name, plant, &d)?;
-            print(executions.lines().last().unwrap_or_default());
+            let (name, band) = (&robot.name, Fraction { hits: d.within, of: d.rows });
+            let micro = [d.after, d.after_max, d.repeatability].map(|v| fixed(1e6 * v, 1));
+            let head = [name.clone(), plant.to_string(), part_of(d.ok, d.of), fixed(1e3 * d.before, 3)];
+            let per_cent = format!("{:.1} %", band.percent());
+            let tail = [fixed(d.ratio_before(), 1), fixed(d.ratio(), 3), per_cent];
+            executions.cells(&[&head[..], &micro, &tail].concat());
+            let [before, after, most, repeat] =
+                [d.before, d.after, d.after_max, d.repeatability].map(|v| 1e3 * v);
+            let (of, ok, rows, share) = (d.of, d.ok, d.rows, d.within as f64 / d.rows as f64);
+            write!(execution_csv, "{name},{plant},{of},{ok},{before},{after},{most},{repeat}")?;
+            writeln!(execution_csv, ",{},{},{rows},{share}", d.ratio_before(), d.ratio())?;
+            print(executions.last());
             if d.ratio() > robot.within {
-                print(&format!("{}: more than {} times its repeatability", robot.name, robot.within));
+                print(&format!("{name}: more than {} times its repeatability", robot.within));
             }
-            rows += d.rows;
-            within += d.within;
+            all = Fraction { hits: all.hits + band.hits, of: all.of + band.of };
             if plant > 0 || driven {
                 continue;
             }
-            for (asked, words, poses, seeded) in [
-                (Asked::Reachable, "seeded", POSES, true),
-                (Asked::Reachable, "no seed", POSES / 10, false),
-                (Asked::BeyondLimits, "limits", POSES / 100, true),
-                (Asked::Far, "far", POSES / 100, true),
+            for (request, words, poses, seeded) in [
+                (Request::Reachable, "seeded", POSES, true),
+                (Request::Reachable, "no seed", POSES / 10, false),
+                (Request::BeyondLimits, "limits", POSES / 100, true),
+                (Request::Far, "far", POSES / 100, true),
             ] {
                 let begun = Instant::now();
-                let counts = trial.round_trip(asked, poses, seeded)?;
+                let c = trial.round_trip(request, poses, seeded)?;
                 let seconds = begun.elapsed().as_secs_f64();
-                trip_line(&mut trips, &mut trip_csv, (robot.name, words, seeded), &counts, seconds)?;
-                print(trips.lines().last().unwrap_or_default());
+                let Counts { ok, unreachable, limit, not_converged, position, orientation, beyond } = c;
+                let head = [name.clone(), words.into()];
+                let counts = [ok, limit, unreachable, not_converged, beyond].map(|count| count.to_string());
+                let each = fixed(1e6 * seconds / c.all() as f64, 1);
+                let tail = [format!("{position:.1e}"), format!("{orientation:.1e}"), each];
+                trips.cells(&[&head[..], &counts, &tail].concat());
+                write!(trip_csv, "{name},{words},{seeded},{},{ok},{unreachable},{limit}", c.all())?;
+                writeln!(trip_csv, ",{not_converged},{position:e},{orientation:e},{seconds}")?;
+                print(trips.last());
             }
         }
     }
-    writeln!(executions, "in band, all: {:.2} % of {rows} rows", 100.0 * within as f64 / rows as f64)?;
-    let text = format!("{executions}\n{trips}");
+    let (executions, per_cent) = (executions.text(), all.percent());
+    let text = format!("{executions}in band, all: {per_cent:.2} % of {} rows\n\n{}", all.of, trips.text());
     std::fs::write(folder.join("execution.csv"), execution_csv)?;
     std::fs::write(folder.join("round_trip.csv"), trip_csv)?;
     finish("closed-loop", &folder.join("table.txt"), &text)
-}
-
-fn execution_line(
-    text: &mut String,
-    csv: &mut String,
-    robot: &str,
-    plant: u64,
-    d: &Executed,
-) -> std::fmt::Result {
-    let band = d.within as f64 / d.rows as f64;
-    writeln!(
-        text,
-        "{robot:8} {plant:>6} {:>9} {:>10.3} {:>9.1} {:>9.1} {:>8.1} {:>8.1} {:>8.3} {:>7.1} %",
-        format!("{}/{}", d.ok, d.of),
-        1e3 * d.before,
-        1e6 * d.after,
-        1e6 * d.after_max,
-        1e6 * d.repeatability,
-        d.ratio_before(),
-        d.ratio(),
-        100.0 * band
-    )?;
-    writeln!(
-        csv,
-        "{robot},{plant},{},{},{},{},{},{},{},{},{},{band}",
-        d.of,
-        d.ok,
-        1e3 * d.before,
-        1e3 * d.after,
-        1e3 * d.after_max,
-        1e3 * d.repeatability,
-        d.ratio_before(),
-        d.ratio(),
-        d.rows
-    )
-}
-
-fn trip_line(
-    text: &mut String,
-    csv: &mut String,
-    (robot, asked, seeded): (&str, &str, bool),
-    c: &Counts,
-    seconds: f64,
-) -> std::fmt::Result {
-    writeln!(
-        text,
-        "{robot:8} {asked:>10} {:>7} {:>8} {:>12} {:>8} {:>14} {:>9.1e} {:>9.1e} {:>8.1}",
-        c.ok,
-        c.limit,
-        c.unreachable,
-        c.not_converged,
-        c.beyond,
-        c.position,
-        c.orientation,
-        1e6 * seconds / c.all() as f64
-    )?;
-    writeln!(
-        csv,
-        "{robot},{asked},{seeded},{},{},{},{},{},{:e},{:e},{seconds}",
-        c.all(),
-        c.ok,
-        c.unreachable,
-        c.limit,
-        c.not_converged,
-        c.position,
-        c.orientation
-    )
 }
 
 #[cfg(test)]
@@ -183,7 +109,7 @@ mod tests {
     #[test]
     fn plants_end_where_they_should() {
         let (mut rows, mut within) = (0, 0);
-        for robot in robots::all() {
+        for robot in robots::all().expect("robots") {
             let trial = Trial::new(&robot, 40, robot.visits.min(1200)).expect("a trial");
             let d = trial.execute().expect("an execution");
             assert!(d.ok * 10 >= d.of * 8, "{}: {} of {}", robot.name, d.ok, d.of);
@@ -195,17 +121,17 @@ mod tests {
                 d.ratio()
             );
             (rows, within) = (rows + d.rows, within + d.within);
-            for (asked, seeded) in
-                [(Asked::Reachable, true), (Asked::BeyondLimits, true), (Asked::Far, false)]
+            for (request, seeded) in
+                [(Request::Reachable, true), (Request::BeyondLimits, true), (Request::Far, false)]
             {
-                let c = trial.round_trip(asked, 200, seeded).expect("round trips");
+                let c = trial.round_trip(request, 200, seeded).expect("round trips");
                 assert_eq!((c.all(), c.beyond), (200, 0));
                 assert!(c.position < 1e-9 && c.orientation < 1e-9, "{} {c:?}", robot.name);
-                match asked {
-                    Asked::Reachable => assert!(c.ok >= 199, "{} {c:?}", robot.name),
-                    Asked::Far => assert_eq!(c.ok, 0, "{} {c:?}", robot.name),
+                match request {
+                    Request::Reachable => assert!(c.ok >= 199, "{} {c:?}", robot.name),
+                    Request::Far => assert_eq!(c.ok, 0, "{} {c:?}", robot.name),
                     // Turns of more than a turn reach everything from within.
-                    Asked::BeyondLimits => assert!(c.limit > 2 || c.ok == 200, "{} {c:?}", robot.name),
+                    Request::BeyondLimits => assert!(c.limit > 2 || c.ok == 200, "{} {c:?}", robot.name),
                 }
             }
         }

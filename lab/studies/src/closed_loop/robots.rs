@@ -1,31 +1,26 @@
-//! The plants of `simulate`, each with the effects that its causes ask for: the words of a model file, as JSON.
+//! The plants of `simulate`, each with the effects that its causes ask for: the words of a model file, in `robots.json`.
 //!
 //! The plants are not the model: compliances harden by their own equation, guideways are smooth random curves, wheels are eccentric by
 //! exact geometry, teeth are no sines.
 
-use serde_json::{Value, json};
-use std::error::Error;
-use std::f64::consts::TAU;
+use crate::prelude::*;
+use serde_json::Value;
 use truepose_errormodel::effects::{Basis, Expansion, Factor, Input, Place};
-use truepose_errormodel::{AnyEffect, EffectRegistry, ErrorModel};
-use truepose_kinematics::{Axis, Chain, FrameId, Joint, JointId};
-use truepose_simulate::{ChannelPlan, Plant, SimulateError, robots};
+use truepose_simulate::{SimulateError, robots};
 
 /// A plant, with its model and its campaign.
+#[derive(Deserialize)]
 pub struct Robot {
-    /// For the table.
-    pub name: &'static str,
-    /// Draws one of its kind.
-    pub plant: fn(u64) -> Result<Plant, SimulateError>,
-    /// The declared effects; joints by name.
-    pub effects: fn() -> Vec<Value>,
+    pub name: String,
+    /// The declared effects; joints by name, `teeth` for the harmonics of so many teeth.
+    effects: Vec<Value>,
     /// Frames, by number, that give in proportion to every component of the wrench that they carry.
-    pub springs: &'static [usize],
+    springs: Vec<usize>,
     /// Payloads, kg, and their centre of gravity in the tool frame, m.
-    pub payloads: &'static [f64],
+    pub payloads: Vec<f64>,
     pub com: [f64; 3],
-    /// Thermometers.
-    pub channels: fn() -> Vec<ChannelPlan>,
+    /// Of a thermometer in the lead screw; none has no thermometer.
+    screw_lag_s: Option<f64>,
     /// Configurations that are measured.
     pub visits: usize,
     /// How many times its repeatability the plant may deviate from the desired positions. 1.1 is the goal; what is above
@@ -34,167 +29,60 @@ pub struct Robot {
 }
 
 /// All of them.
-pub fn all() -> Vec<Robot> {
-    vec![
-        Robot {
-            name: "pps",
-            plant: robots::pps_plant,
-            effects: || {
-                vec![
-                    json!({"family": "geometric"}),
-                    json!({"family": "base_compliance"}),
-                    json!({"family": "link_compliance", "joints": ["pitch"], "section": "general"}),
-                    json!({"family": "load_nonlinearity", "joint": "roll", "powers": [3]}),
-                    json!({"family": "load_nonlinearity", "joint": "pitch", "powers": [3]}),
-                    json!({"family": "guideway", "joint": "d1", "screw": 0.010}),
-                    json!({"family": "guideway", "joint": "d2", "screw": 0.005}),
-                    json!({"family": "guideway", "joint": "d3", "screw": 0.010}),
-                    json!({"family": "transmission", "joint": "theta", "harmonics": [1, 2]}),
-                ]
-            },
-            springs: &[0, 1, 2, 3, 4, 5, 6],
-            payloads: &[0.0, 35.0, 70.0],
-            com: [0.0, -0.1, -0.84],
-            channels: Vec::new,
-            visits: 600,
-            within: 1.1,
-        },
-        Robot {
-            name: "heavy",
-            plant: robots::heavy_plant,
-            effects: || {
-                vec![
-                    json!({"family": "geometric"}),
-                    json!({"family": "joint_compliance", "own_weight": "free", "links": 5}),
-                    json!({"family": "base_compliance", "tilt": "separate"}),
-                    json!({"family": "link_compliance", "joints": ["a2", "a3"], "section": "general", "own_weight": "free"}),
-                    json!({"family": "load_nonlinearity", "joint": "a2", "powers": [3, 5]}),
-                    json!({"family": "load_nonlinearity", "joint": "a3", "powers": [3, 5]}),
-                ]
-            },
-            springs: &[1],
-            payloads: &[0.0, 50.0, 100.0],
-            com: [0.02, -0.03, 0.15],
-            channels: Vec::new,
-            visits: 800,
-            within: 1.1,
-        },
-        Robot {
-            name: "ur10",
-            plant: robots::ur10_plant,
-            effects: || {
-                vec![
-                    json!({"family": "geometric"}),
-                    json!({"family": "joint_compliance", "joints": ["j2", "j3", "j4"]}),
-                    json!({"family": "load_nonlinearity", "joint": "j2", "powers": [3, 5]}),
-                    json!({"family": "load_nonlinearity", "joint": "j3", "powers": [3, 5]}),
-                    json!({"family": "transmission", "joint": "j1", "harmonics": teeth(202)}),
-                    json!({"family": "transmission", "joint": "j1", "harmonics": [1, 2]}),
-                    json!({"family": "transmission", "joint": "j2", "harmonics": [1, 2]}),
-                    json!({"family": "transmission", "joint": "j3", "harmonics": teeth(202)}),
-                ]
-            },
-            springs: &[],
-            payloads: &[0.0, 5.0, 9.0],
-            com: [0.01, -0.02, 0.08],
-            channels: Vec::new,
-            visits: 800,
-            within: 1.1,
-        },
-        Robot {
-            name: "7R",
-            plant: robots::seven_plant,
-            effects: || {
-                vec![
-                    json!({"family": "geometric"}),
-                    json!({"family": "joint_compliance", "joints": ["k2", "k4", "k6"], "own_weight": "free", "links": 5}),
-                    json!({"family": "transmission", "joint": "k1", "harmonics": [1, 2]}),
-                    json!({"family": "transmission", "joint": "k4", "harmonics": teeth(200)}),
-                ]
-            },
-            springs: &[2, 4],
-            payloads: &[0.0, 3.0, 6.0],
-            com: [0.01, -0.02, 0.08],
-            channels: Vec::new,
-            visits: 800,
-            within: 1.1,
-        },
-        Robot {
-            name: "scara",
-            plant: robots::scara_plant,
-            effects: || {
-                vec![
-                    json!({"family": "geometric"}),
-                    json!({"family": "backlash", "joint": "r2"}),
-                    json!({"family": "coupling", "joint": "slide", "driver": "r4"}),
-                    json!({"family": "transmission", "joint": "r1", "harmonics": [1, 2]}),
-                    json!({"family": "transmission", "joint": "r2", "harmonics": teeth(100)}),
-                ]
-            },
-            springs: &[],
-            payloads: &[0.0, 2.0, 4.0],
-            com: [0.0, 0.01, 0.05],
-            channels: Vec::new,
-            visits: 400,
-            within: 1.1,
-        },
-        Robot {
-            name: "gantry",
-            plant: robots::gantry_plant,
-            effects: || {
-                vec![
-                    json!({"family": "geometric"}),
-                    json!({"family": "joint_compliance", "joints": ["gz"]}),
-                    json!({"family": "guideway", "joint": "gx", "screw": 0.020, "pieces": 14}),
-                    json!({"family": "guideway", "joint": "gy", "pieces": 11}),
-                    json!({"family": "guideway", "joint": "gz", "screw": 0.010, "pieces": 11}),
-                    json!({"family": "thermal", "joint": "gx", "grows": "scale", "channel": "screw"}),
-                ]
-            },
-            springs: &[1, 2, 3],
-            payloads: &[0.0, 10.0, 20.0],
-            com: [0.01, -0.02, 0.08],
-            channels: || vec![ChannelPlan::Body { name: "screw".into(), lag_s: 1800.0, sd: 0.05 }],
-            visits: 2400,
-            within: 1.1,
-        },
-    ]
+pub fn all() -> Outcome<Vec<Robot>> {
+    Ok(serde_json::from_str(include_str!("robots.json"))?)
 }
 
-/// Harmonics of a turn that teeth make: they are no sines, and swell once a turn.
-fn teeth(cycles: u32) -> Vec<u32> {
-    (1..=3).flat_map(|k| [k * cycles - 1, k * cycles, k * cycles + 1]).collect()
+/// A plant, measured: every fourth pose measurement is a held-out one.
+pub struct Measured {
+    pub plant: Plant,
+    pub chain: Chain,
+    pub data: Dataset,
+    /// Rows of the pose measurements that are fitted, and of each held-out one.
+    pub used: Vec<usize>,
+    pub held_out: Vec<Vec<usize>>,
 }
+
+/// Fraction of the pose measurements in the held-out test set: commanded, and compared with the intervals.
+const HELD_OUT: usize = 4;
 
 impl Robot {
-    /// The robot as the identification receives it: its description, with the weights that its maker publishes.
-    pub fn described(&self, plant: &Plant) -> Result<Chain, Box<dyn Error>> {
-        let chain = plant.chain();
-        let weights = &plant.truth().joints;
-        let joints: Vec<Joint> = chain
-            .joints()
-            .iter()
-            .zip(weights)
-            .map(|(joint, truth)| Joint { link: joint.link.or(truth.link), ..joint.clone() })
-            .collect();
-        Ok(Chain::new(chain.name(), joints)?
-            .with_base(*chain.base())?
-            .with_tool(*chain.tool())?
-            .with_gravity(*chain.gravity())?
-            .with_targets(chain.targets().to_vec())?)
+    /// One of its kind, measured at so many configurations.
+    pub fn measured(&self, seed: u64, visits: usize) -> Outcome<Measured> {
+        let plant = self.plant(seed)?;
+        let chain = described(&plant)?;
+        let screw = |lag_s: f64| ChannelPlan::Body { name: "screw".into(), lag_s, sd: 0.05 };
+        let campaign = Campaign::random(&chain, visits, seed + 1)?
+            .with_some_payload(&self.payloads, self.com, 0.02, seed + 2)
+            .with_channels(self.screw_lag_s.map(screw).into_iter().collect());
+        let data = plant.measure(&campaign, seed + 3)?;
+        let (mut used, mut held_out) = (Vec::new(), Vec::new());
+        for (k, rows) in Visits::of(&data).rows.into_iter().enumerate() {
+            if k % HELD_OUT == HELD_OUT - 1 { held_out.push(rows) } else { used.extend(rows) }
+        }
+        Ok(Measured { plant, chain, data, used, held_out })
+    }
+
+    fn plant(&self, seed: u64) -> Result<Plant, SimulateError> {
+        match self.name.as_str() {
+            "pps" => robots::pps_plant(seed),
+            "heavy" => robots::heavy_plant(seed),
+            "ur10" => robots::ur10_plant(seed),
+            "7R" => robots::seven_plant(seed),
+            "scara" => robots::scara_plant(seed),
+            _ => robots::gantry_plant(seed),
+        }
     }
 
     /// The declared model.
-    pub fn model(&self, chain: &Chain) -> Result<ErrorModel, Box<dyn Error>> {
+    pub fn model(&self, chain: &Chain) -> Outcome<ErrorModel> {
         let registry = EffectRegistry::builtin();
         let mut effects: Vec<Box<dyn AnyEffect>> = Vec::new();
-        for mut words in (self.effects)() {
-            let family = words["family"].as_str().unwrap_or_default().to_string();
-            numbered(&mut words, chain);
-            effects.push(registry.build(&family, words, chain)?);
+        for words in &self.effects {
+            let family = words["family"].as_str().unwrap_or_default();
+            effects.push(registry.build(family, numbered(words.clone(), chain), chain)?);
         }
-        for &frame in self.springs {
-            let frame = FrameId(frame);
+        for frame in self.springs.iter().copied().map(FrameId) {
             for (component, axis) in Axis::ALL.into_iter().enumerate() {
                 let of = Input::Wrench { frame, component };
                 effects.push(Box::new(Expansion {
@@ -207,23 +95,34 @@ impl Robot {
     }
 }
 
-/// Takes the family out, and turns names of joints into numbers.
-fn numbered(words: &mut Value, chain: &Chain) {
+/// The robot as the identification receives it: its description, with the weights that its maker publishes.
+fn described(plant: &Plant) -> Outcome<Chain> {
+    let joints = plant.chain().joints().iter().zip(&plant.truth().joints);
+    let weighed = joints.map(|(joint, truth)| Joint { link: joint.link.or(truth.link), ..joint.clone() });
+    with_joints(plant.chain(), weighed.collect())
+}
+
+/// Without the family, with numbers of joints in place of their names, and with the harmonics of a turn that teeth make: they are no
+/// sines, and swell once a turn.
+fn numbered(mut words: Value, chain: &Chain) -> Value {
     let number = |value: &mut Value| {
         if let Some(JointId(id)) = value.as_str().and_then(|name| chain.joint_named(name)) {
             *value = id.into();
         }
     };
-    let Some(map) = words.as_object_mut() else { return };
-    map.remove("family");
-    for (key, value) in map.iter_mut() {
-        match (key.as_str(), value) {
-            ("joint" | "driver", value) => number(value),
-            ("joints", Value::Array(list)) => list.iter_mut().for_each(number),
-            _ => {}
+    if let Some(map) = words.as_object_mut() {
+        map.remove("family");
+        if let Some(teeth) = map.remove("teeth").and_then(|teeth| teeth.as_u64()) {
+            let harmonics = (1..=3).flat_map(|k| [k * teeth - 1, k * teeth, k * teeth + 1]);
+            map.insert("harmonics".into(), harmonics.collect());
+        }
+        for (key, value) in map.iter_mut() {
+            match (key.as_str(), value) {
+                ("joint" | "driver", value) => number(value),
+                ("joints", Value::Array(list)) => list.iter_mut().for_each(number),
+                _ => {}
+            }
         }
     }
+    words
 }
-
-/// One turn, rad: limits of turns without limits.
-pub const TURN: f64 = TAU;

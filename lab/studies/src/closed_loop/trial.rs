@@ -1,28 +1,15 @@
 //! One plant: measured, identified, and executing commands; and the commands of its model compared with the model.
 
-use super::robots::{Robot, TURN};
-use nalgebra::Vector3;
-use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
-use rayon::prelude::*;
-use std::error::Error;
-use truepose_compensate::{Compensator, CompensatorOptions, Status, Target, predicted_error};
-use truepose_errormodel::{Dataset, FittedModel, Schema, Visits};
-use truepose_identify::{FitOptions, fit};
-use truepose_kinematics::{Chain, JointKind, Load, Payload, Pose, TargetId, nalgebra, rotation_log};
-use truepose_simulate::{Campaign, Plant};
-use truepose_solvers::PivotedQr;
-
-/// Fraction of the pose measurements in the held-out test set: commanded, and compared with the intervals.
-const LOCKED: usize = 4;
+use super::robots::{Measured, Robot};
+use crate::prelude::*;
+use truepose_compensate::predicted_error;
+use truepose_errormodel::Schema;
+use truepose_kinematics::rotation_log;
 
 /// An identified plant.
 pub struct Trial {
-    plant: Plant,
+    measured: Measured,
     pub fitted: FittedModel,
-    data: Dataset,
-    /// Rows of the visits that took no part.
-    locked: Vec<Vec<usize>>,
     payload: Load,
 }
 
@@ -88,7 +75,7 @@ impl Counts {
 
 /// Which poses are requested.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Asked {
+pub enum Request {
     /// Where the model is at joints within their limits.
     Reachable,
     /// Tens of metres away.
@@ -98,65 +85,49 @@ pub enum Asked {
 }
 
 impl Trial {
-    pub fn new(robot: &Robot, seed: u64, visits: usize) -> Result<Self, Box<dyn Error>> {
-        let plant = (robot.plant)(seed)?;
-        let chain = robot.described(&plant)?;
-        let campaign = Campaign::random(&chain, visits, seed + 1)?
-            .with_some_payload(robot.payloads, robot.com, 0.02, seed + 2)
-            .with_channels((robot.channels)());
-        let data = plant.measure(&campaign, seed + 3)?;
-        let (mut used, mut locked) = (Vec::new(), Vec::new());
-        for (k, rows) in Visits::of(&data).rows.into_iter().enumerate() {
-            if k % LOCKED == LOCKED - 1 { locked.push(rows) } else { used.extend(rows) }
-        }
-        let model = robot.model(&chain)?;
-        let identified = fit(&model, &data.select(&used), &PivotedQr::default(), &FitOptions::default())?;
+    pub fn new(robot: &Robot, seed: u64, visits: usize) -> Outcome<Self> {
+        let measured = robot.measured(seed, visits)?;
+        let (model, data) = (robot.model(&measured.chain)?, measured.data.select(&measured.used));
+        let fitted = fit(&model, &data, &PivotedQr::default(), &FitOptions::default())?.fitted;
         let mass = robot.payloads.iter().copied().fold(0.0, f64::max);
         let payload = Load::Payload(Payload { mass, com: Vector3::from(robot.com) });
-        Ok(Trial { plant, fitted: identified.fitted, data, locked, payload })
+        Ok(Trial { measured, fitted, payload })
     }
 
     /// Sends the plant to where the nominal robot would be at each locked visit.
-    pub fn execute(&self) -> Result<Executed, Box<dyn Error>> {
-        let chain = self.fitted.chain();
-        let schema = &self.data.schema;
+    pub fn execute(&self) -> Outcome<Executed> {
+        let Measured { plant, data, held_out, .. } = &self.measured;
+        let (chain, schema) = (self.fitted.chain(), &data.schema);
         let mut compensator = Compensator::bind(&self.fitted, schema, CompensatorOptions::default())?;
         let mut predictor = self.fitted.bind(schema)?;
         let mut executed = Executed {
             before: 0.0,
             after: 0.0,
             after_max: 0.0,
-            repeatability: 3f64.sqrt() * self.plant.repeatability.sd,
+            repeatability: 3f64.sqrt() * plant.repeatability.sd,
             ok: 0,
-            of: self.locked.len(),
+            of: held_out.len(),
             rows: 0,
             within: 0,
         };
-        for rows in &self.locked {
-            let conditions = self.data.conditions(rows[0]);
-            let target = self.data.target[rows[0]];
-            let pose = chain.forward(&conditions.joints);
-            let position = pose.apply(&target.map_or(Vector3::zeros(), |t| chain.targets()[t.0].position));
-            let mut wanted = Target::at(position).of(target);
-            if chain.movable().len() >= 6 {
-                wanted = wanted.turned(pose.rotation);
-            }
+        for rows in held_out {
+            let (conditions, target) = (data.conditions(rows[0]), data.target[rows[0]]);
+            let (position, wanted) = nominal_goal(chain, &conditions, target);
             let command = compensator.command(&wanted, &conditions, Some(&conditions.joints));
             if command.status == Status::Ok {
                 let mut commanded = conditions.clone();
                 commanded.joints = command.joints.to_vec();
-                let off = (self.plant.true_position(&commanded, target)? - position).norm();
+                let off = (plant.true_position(&commanded, target)? - position).norm();
                 executed.after += off * off;
                 executed.after_max = executed.after_max.max(off);
-                executed.before += (self.plant.true_position(&conditions, target)? - position).norm_squared();
+                executed.before += (plant.true_position(&conditions, target)? - position).norm_squared();
                 executed.ok += 1;
             }
             for &row in rows {
-                let conditions = self.data.conditions(row);
-                let target = self.data.target[row];
+                let (conditions, target) = (data.conditions(row), data.target[row]);
                 let band = predicted_error(&self.fitted, &mut predictor, &conditions, target);
                 let predicted = predictor.predict(&conditions, target).translation;
-                let off = (self.data.measured_position(row) - predicted).norm();
+                let off = (data.measured_position(row) - predicted).norm();
                 executed.rows += 1;
                 executed.within += usize::from(off <= band.measured_95);
             }
@@ -168,49 +139,49 @@ impl Trial {
     }
 
     /// Commands to many poses, half of them with the heaviest payload, from the nominal joints or from nowhere.
-    pub fn round_trip(&self, asked: Asked, poses: usize, seeded: bool) -> Result<Counts, Box<dyn Error>> {
-        let schema = &self.data.schema;
+    pub fn round_trip(&self, request: Request, poses: usize, seeded: bool) -> Outcome<Counts> {
+        let schema = &self.measured.data.schema;
         Compensator::bind(&self.fitted, schema, CompensatorOptions::default())?;
         const CHUNK: usize = 2000;
-        let chunks: Vec<Counts> = (0..poses.div_ceil(CHUNK))
-            .into_par_iter()
-            .map(|chunk| {
-                let count = CHUNK.min(poses - chunk * CHUNK);
-                self.some(asked, count, seeded, chunk as u64, schema).map_err(|error| error.to_string())
-            })
-            .collect::<Result<_, _>>()?;
+        let chunk = |chunk: usize| {
+            let count = CHUNK.min(poses - chunk * CHUNK);
+            self.some(request, count, seeded, chunk as u64, schema)
+        };
+        let chunks =
+            (0..poses.div_ceil(CHUNK)).into_par_iter().map(chunk).collect::<Outcome<Vec<Counts>>>()?;
         Ok(chunks.into_iter().fold(Counts::default(), Counts::with))
     }
 
     fn some(
         &self,
-        asked: Asked,
+        request: Request,
         poses: usize,
         seeded: bool,
         chunk: u64,
         schema: &Schema,
-    ) -> Result<Counts, Box<dyn Error>> {
+    ) -> Outcome<Counts> {
         let chain = self.fitted.chain();
         let mut rng = ChaCha8Rng::seed_from_u64(99);
         rng.set_stream(chunk);
         let mut compensator = Compensator::bind(&self.fitted, schema, CompensatorOptions::default())?;
         let mut predictor = self.fitted.bind(schema)?;
         let mut counts = Counts::default();
-        let middle = self.data.conditions(self.data.len() / 2);
+        let data = &self.measured.data;
+        let middle = data.conditions(data.len() / 2);
         for k in 0..poses {
             let mut conditions = middle.clone();
             conditions.load = if k % 2 == 0 { Load::None } else { self.payload };
-            conditions.joints = draw(chain, asked, &mut rng);
+            conditions.joints = draw(chain, request, &mut rng);
             let target = (!chain.targets().is_empty()).then(|| TargetId(k % chain.targets().len()));
             let mut wanted = predictor.predict(&conditions, target);
-            if asked == Asked::Far {
+            if request == Request::Far {
                 let way = Vector3::from_fn(|_, _| rng.random::<f64>() - 0.5).normalize();
                 wanted.translation += way * (30.0 + 30.0 * rng.random::<f64>());
             }
             // Beside the command, as the nominal solution is: a degree or a centimetre away.
             let aside = |q: &f64| q + 0.02 * (2.0 * rng.random::<f64>() - 1.0);
             let seed: Option<Vec<f64>> = seeded.then(|| conditions.joints.iter().map(aside).collect());
-            let goal = Target::at(wanted.translation).turned(wanted.rotation).of(target);
+            let goal = Goal::at(wanted.translation).turned(wanted.rotation).of(target);
             let command = compensator.command(&goal, &conditions, seed.as_deref());
             match command.status {
                 Status::Unreachable => counts.unreachable += 1,
@@ -225,7 +196,7 @@ impl Trial {
                     counts.position = counts.position.max((ends.translation - wanted.translation).norm());
                     counts.orientation = counts.orientation.max(turn);
                     let beyond = |(&joint, &q): (&_, &f64)| {
-                        let joint: &truepose_kinematics::Joint = chain.joint(joint);
+                        let joint: &Joint = chain.joint(joint);
                         joint.limits.is_some_and(|(lower, upper)| q < lower || q > upper)
                     };
                     counts.beyond +=
@@ -237,10 +208,10 @@ impl Trial {
     }
 }
 
-fn draw(chain: &Chain, asked: Asked, rng: &mut ChaCha8Rng) -> Vec<f64> {
+fn draw(chain: &Chain, request: Request, rng: &mut ChaCha8Rng) -> Vec<f64> {
     let range = |&joint: &_| {
-        let joint: &truepose_kinematics::Joint = chain.joint(joint);
-        let widest = if joint.kind == JointKind::Prismatic { 1.0 } else { 0.5 * TURN };
+        let joint: &Joint = chain.joint(joint);
+        let widest = if joint.kind == JointKind::Prismatic { 1.0 } else { std::f64::consts::PI };
         joint.limits.unwrap_or((-widest, widest))
     };
     let ranges: Vec<(f64, f64)> = chain.movable().iter().map(range).collect();
@@ -251,7 +222,7 @@ fn draw(chain: &Chain, asked: Asked, rng: &mut ChaCha8Rng) -> Vec<f64> {
             0.5 * (lower + upper) + share * (upper - lower)
         })
         .collect();
-    if asked == Asked::BeyondLimits {
+    if request == Request::BeyondLimits {
         let k = rng.random_range(0..joints.len());
         let (lower, upper) = ranges[k];
         let over = (0.02 + 0.2 * rng.random::<f64>()) * (upper - lower);

@@ -6,27 +6,18 @@
 //! | power | one cause hidden, at multiples of the detectable size | is it found, named, placed? do the intervals hold? |
 //! | several | two or three causes in one | do they hide each other? |
 //! | without | the same, its family taken out of the library | is it called by a wrong name? |
-//!
-//! `study discovery [--short] [--nulls N] [--robots N] [--multiples M,M] [--causes C,C] [--part NAME] [--folder NAME]` runs what is not
-//! yet in its tables, one line a robot; `study discovery --one CAUSE SEED MULTIPLE [--without]` shows one whole diagnosis (cause `none`: a null).
 
-mod coverage;
-mod figures;
+use crate::prelude::*;
 pub mod hidden_effects;
+
 mod plants;
 pub mod record;
 pub mod robots;
-mod several;
 pub mod summary;
 pub mod trial;
 
-use crate::journal::{Journal, line};
-use crate::results::{Kept, finish};
-use crate::{asked, print};
-use clap::Parser;
-use hidden_effects::{HIDDEN_EFFECTS, HiddenEffect};
+use hidden_effects::HiddenEffect;
 use record::Record;
-use std::error::Error;
 use trial::Task;
 use truepose_report::{DiscoverySettings, DiscoverySummary};
 
@@ -39,7 +30,7 @@ const WITHOUT: f64 = 4.0;
 
 /// The options of the run.
 #[derive(Parser)]
-struct Asked {
+struct Options {
     /// 12 nulls, one robot a cell at 1 and 4 times the detectable size.
     #[arg(long)]
     short: bool,
@@ -49,7 +40,7 @@ struct Asked {
     robots: u64,
     #[arg(long, value_delimiter = ',')]
     multiples: Vec<f64>,
-    #[arg(long, value_delimiter = ',', value_parser = cause)]
+    #[arg(long, value_enum, value_delimiter = ',')]
     causes: Vec<HiddenEffect>,
     #[arg(long, value_parser = ["nulls", "power", "several", "without"])]
     part: Option<String>,
@@ -64,59 +55,55 @@ struct Asked {
 }
 
 /// Runs the study.
-pub fn run(arguments: &[String]) -> Result<(), Box<dyn Error>> {
-    let mut asked: Asked = asked(arguments)?;
-    if let [word, seed, multiple] = &asked.one[..] {
-        let cause = if word == "none" { None } else { Some(cause(word)?) };
+pub fn run(arguments: &[String]) -> Outcome {
+    let mut options: Options = parsed(arguments)?;
+    if let [word, seed, multiple] = &options.one[..] {
+        let cause = if word == "none" { None } else { Some(HiddenEffect::from_str(word, false)?) };
         let (seed, multiple) = (seed.parse()?, multiple.parse()?);
-        return one(&Task { cause, multiple, seed, without: asked.without });
+        return one(&Task { cause, multiple, seed, without: options.without });
     }
-    if asked.multiples.is_empty() {
-        asked.multiples = if asked.short { vec![1.0, 4.0] } else { MULTIPLES.to_vec() };
+    if options.multiples.is_empty() {
+        options.multiples = if options.short { vec![1.0, 4.0] } else { MULTIPLES.to_vec() };
     }
-    if asked.causes.is_empty() {
-        asked.causes = HIDDEN_EFFECTS.iter().map(|(cause, _)| *cause).collect();
+    if options.causes.is_empty() {
+        options.causes = HiddenEffect::all().to_vec();
     }
-    let (folder, commit) = asked.kept.open("discovery")?;
-    let wanted = |part: &str| asked.part.as_deref().is_none_or(|only| only == part);
+    let (folder, commit) = options.kept.open("discovery")?;
+    let wanted = |part: &str| options.part.as_deref().is_none_or(|only| only == part);
     let mut text = format!("commit {commit}\n\n");
     let mut journal: Journal<Record> = Journal::open(&folder, "nulls", &commit)?;
     if wanted("nulls") {
         let task = |seed| Task { cause: None, multiple: 0.0, seed, without: false };
-        work(&mut journal, (0..asked.nulls).map(task))?;
+        work(&mut journal, (0..options.nulls).map(task))?;
     }
     text += &summary::nulls(&journal.records)?;
-    figures::nulls(&folder.join("nulls.svg"), &journal.records)?;
 
     let mut journal: Journal<Record> = Journal::open(&folder, "power", &commit)?;
     if wanted("power") {
         // All cells first, then the next robot of each.
-        let tasks = (0..asked.robots).flat_map(|seed| {
-            let causes = &asked.causes;
-            asked.multiples.iter().flat_map(move |&multiple| {
+        let tasks = (0..options.robots).flat_map(|seed| {
+            let causes = &options.causes;
+            options.multiples.iter().flat_map(move |&multiple| {
                 causes.iter().map(move |&cause| Task { cause: Some(cause), multiple, seed, without: false })
             })
         });
         work(&mut journal, tasks)?;
     }
-    text += &format!("\n{}", summary::power(&journal.records, &asked.multiples)?);
+    text += &format!("\n{}", summary::power(&journal.records, &options.multiples)?);
     text += &format!("\n{}", summary::confusion_text(&journal.records)?);
     text += &format!("\n{}", summary::coverage(&journal.records)?);
-    figures::power(&folder.join("power.svg"), &journal.records, &asked.multiples)?;
-    figures::matrix(&folder.join("confusion.svg"), &journal.records)?;
-    figures::coverage(&folder.join("coverage.svg"), &journal.records)?;
 
     let mut journal: Journal<Record> = Journal::open(&folder, "several", &commit)?;
     if wanted("several") {
-        several::work(&mut journal, SEVERAL * asked.robots)?;
+        trial::work_several(&mut journal, SEVERAL * options.robots)?;
     }
-    text += &format!("\n{}", several::summary(&journal.records)?);
+    text += &format!("\n{}", trial::summary_of_several(&journal.records)?);
 
     let mut journal: Journal<Record> = Journal::open(&folder, "without", &commit)?;
     if wanted("without") {
-        let tasks = (0..asked.robots).flat_map(|seed| {
+        let tasks = (0..options.robots).flat_map(|seed| {
             let causes =
-                asked.causes.iter().filter(|c| !matches!(c, HiddenEffect::Outliers | HiddenEffect::Wobble));
+                options.causes.iter().filter(|c| !matches!(c, HiddenEffect::Outliers | HiddenEffect::Wobble));
             causes.map(move |&cause| Task { cause: Some(cause), multiple: WITHOUT, seed, without: true })
         });
         work(&mut journal, tasks)?;
@@ -126,21 +113,15 @@ pub fn run(arguments: &[String]) -> Result<(), Box<dyn Error>> {
 }
 
 /// Runs what is not yet in the table.
-pub fn work(journal: &mut Journal<Record>, tasks: impl Iterator<Item = Task>) -> Result<(), Box<dyn Error>> {
-    for task in tasks {
-        let word = task.cause.map_or("none", HiddenEffect::word);
-        if journal.records.iter().any(|known| known.is(word, task.multiple, task.seed)) {
-            continue;
-        }
-        let record = task.run();
-        print(&format!("{}: {} in {:.1} s, {}", task.words(), record.first, record.seconds, record.story));
-        journal.add(record)?;
-    }
-    Ok(())
+pub fn work(journal: &mut Journal<Record>, tasks: impl Iterator<Item = Task>) -> Outcome {
+    let words = |task: &Task, record: &Record| {
+        Some(format!("{}: {} in {:.1} s, {}", task.words(), record.first, record.seconds, record.story))
+    };
+    journal.complete(tasks, |known, task| task.is_of(known), |task| Ok(task.run()), words)
 }
 
 /// One robot, with all results of the search.
-fn one(task: &Task) -> Result<(), Box<dyn Error>> {
+fn one(task: &Task) -> Outcome {
     let (made, diagnosis) = task.diagnosed()?;
     let truth = made.hidden.as_ref().map_or("nothing hidden".into(), |hidden| hidden.place.words());
     print(&format!("{}: {} with {}, λ = {:.3}", task.words(), made.robot, truth, made.lambda));
@@ -153,13 +134,6 @@ fn one(task: &Task) -> Result<(), Box<dyn Error>> {
     let summary = DiscoverySummary::new(&diagnosis, settings);
     print(&summary.to_string());
     print(&serde_json::to_string_pretty(&summary)?);
-    print(line(&task.judged(&made, &diagnosis)).trim_end());
+    print_line(&task.judged(&made, &diagnosis));
     Ok(())
-}
-
-/// The cause of this name.
-fn cause(word: &str) -> Result<HiddenEffect, String> {
-    let known: Vec<&str> = HIDDEN_EFFECTS.iter().map(|(_, word)| *word).collect();
-    HiddenEffect::named(word)
-        .ok_or_else(|| format!("unknown cause `{word}`; there are: none, {}", known.join(", ")))
 }

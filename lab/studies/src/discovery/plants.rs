@@ -9,18 +9,12 @@
 //! unknown among the thousands that are tested is found about four times in five. Outliers are no effect: each is m √30
 //! standard deviations of one coordinate long.
 
-use super::hidden_effects::{HIDDEN_EFFECTS, Hidden, HiddenEffect};
+use super::hidden_effects::{Hidden, HiddenEffect, word_of};
 use super::robots::{self, Robot, Undeclared};
+use crate::prelude::*;
 use rand::seq::IndexedRandom;
-use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
-use std::error::Error;
-use truepose_errormodel::{AnyEffect, Dataset, ErrorModel};
-use truepose_identify::{FitOptions, NoiseModel, NoiseSource, PriorStrength, fit, hold_out};
-use truepose_kinematics::{Chain, Conditions, JointId, Placement};
+use truepose_identify::hold_out;
 use truepose_simulate::physics::guideway::GuidewayProfile;
-use truepose_simulate::{Campaign, Observation, Plant};
-use truepose_solvers::PivotedQr;
 
 /// Noncentrality at which a cause is detectable.
 pub const DETECTABLE: f64 = 30.0;
@@ -34,7 +28,7 @@ const LARGEST: f64 = 4.0;
 
 /// A plant, measured.
 pub struct Made {
-    pub robot: &'static str,
+    pub robot: String,
     pub heavy: bool,
     pub chain: Chain,
     pub declared: Vec<Box<dyn AnyEffect>>,
@@ -46,19 +40,22 @@ pub struct Made {
 }
 
 /// Causes of which several may be hidden in one plant: all that the declared model is the same for.
-const TOGETHER: [HiddenEffect; 11] = [
-    HiddenEffect::LinkCompliance,
-    HiddenEffect::BaseCompliance,
-    HiddenEffect::LoadNonlinearity,
-    HiddenEffect::Eccentric,
-    HiddenEffect::Mesh,
-    HiddenEffect::BacklashApproach,
-    HiddenEffect::Coupling,
-    HiddenEffect::Guideway,
-    HiddenEffect::Thermal,
-    HiddenEffect::Drift,
-    HiddenEffect::Shift,
-];
+const TOGETHER: [HiddenEffect; 11] = {
+    use HiddenEffect::*;
+    [
+        LinkCompliance,
+        BaseCompliance,
+        LoadNonlinearity,
+        Eccentric,
+        Mesh,
+        BacklashApproach,
+        Coupling,
+        Guideway,
+        Thermal,
+        Drift,
+        Shift,
+    ]
+};
 
 /// Everything of a plant but the size of what is hidden.
 struct Ground<'a> {
@@ -71,27 +68,23 @@ struct Ground<'a> {
 }
 
 /// Draws a plant; without a cause it is a null.
-pub fn make(cause: Option<HiddenEffect>, multiple: f64, seed: u64) -> Result<Made, Box<dyn Error>> {
-    let number = cause.map_or(0, |cause| 1 + HIDDEN_EFFECTS.iter().position(|c| c.0 == cause).unwrap_or(0));
-    let kinds = robots::all();
+pub fn make(cause: Option<HiddenEffect>, multiple: f64, seed: u64) -> Outcome<Made> {
+    let number = cause.map_or(0, |cause| 1 + cause as u64);
+    let kinds = robots::all()?;
     for place in 0..PLACES {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
-        rng.set_stream((number as u64) << 32 | place);
+        rng.set_stream(number << 32 | place);
         let drawn = rng.random_range(0..kinds.len());
         // Nulls go through the robots in turn, every third round with heavy tails.
         let robot = &kinds[if cause.is_none() { seed as usize % kinds.len() } else { drawn }];
         let heavy = cause.is_none() && (seed / kinds.len() as u64).is_multiple_of(3);
-        let visits = *[90, 120, 160].choose(&mut rng).unwrap_or(&120);
-        let chain = (robot.chain)()?;
-        let campaign = robot.campaign(&chain, visits, seed)?;
-        let hours = campaign.duration_s() / 3600.0 + 0.02;
-        let ground = Ground { robot, chain, campaign, heavy, hours, seed };
+        let ground = Ground::new(robot, heavy, seed, &mut rng)?;
         let hidden = match cause {
             None => None,
             Some(cause) => {
                 let loads = ground.loads()?;
                 let duration = ground.campaign.duration_s();
-                match cause.draw(&ground.chain, robot.payloads, &loads, duration, &mut rng) {
+                match cause.draw(&ground.chain, (&robot.payloads, &loads), duration, &mut rng) {
                     None => continue,
                     hidden => hidden,
                 }
@@ -103,7 +96,7 @@ pub fn make(cause: Option<HiddenEffect>, multiple: f64, seed: u64) -> Result<Mad
             return ground.measured(plant, hidden, lambda);
         }
     }
-    Err(format!("no place where {} can be that large", cause.map_or("", HiddenEffect::word)).into())
+    Err(format!("no place where {} can be that large", word_of(cause)).into())
 }
 
 /// A plant with several causes, measured; of the plant itself none is noted as hidden.
@@ -113,16 +106,12 @@ pub struct Several {
 }
 
 /// Draws a plant with two or three causes, each as large as it would be alone.
-pub fn several(multiple: f64, seed: u64) -> Result<Several, Box<dyn Error>> {
-    let kinds = robots::all();
+pub fn several(multiple: f64, seed: u64) -> Outcome<Several> {
+    let kinds = robots::all()?;
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     rng.set_stream(u64::MAX);
     let robot = &kinds[seed as usize % kinds.len()];
-    let visits = *[90, 120, 160].choose(&mut rng).unwrap_or(&120);
-    let chain = (robot.chain)()?;
-    let campaign = robot.campaign(&chain, visits, seed)?;
-    let hours = campaign.duration_s() / 3600.0 + 0.02;
-    let ground = Ground { robot, chain, campaign, heavy: false, hours, seed };
+    let ground = Ground::new(robot, false, seed, &mut rng)?;
     let (loads, duration) = (ground.loads()?, ground.campaign.duration_s());
     let wanted = rng.random_range(2..=3);
     let mut found: Vec<(HiddenEffect, Hidden, f64)> = Vec::new();
@@ -132,7 +121,7 @@ pub fn several(multiple: f64, seed: u64) -> Result<Several, Box<dyn Error>> {
         }
         let cause = *TOGETHER.choose(&mut rng).unwrap_or(&HiddenEffect::Shift);
         let known = found.iter().any(|(other, ..)| *other == cause);
-        let drawn = cause.draw(&ground.chain, robot.payloads, &loads, duration, &mut rng);
+        let drawn = cause.draw(&ground.chain, (&robot.payloads, &loads), duration, &mut rng);
         let Some(hidden) = drawn.filter(|_| !known) else { continue };
         if let Some((size, _)) = ground.size(Some(cause), Some(&hidden), multiple)? {
             found.push((cause, hidden, size));
@@ -147,17 +136,25 @@ pub fn several(multiple: f64, seed: u64) -> Result<Several, Box<dyn Error>> {
     Ok(Several { made, causes: found.into_iter().map(|(cause, hidden, _)| (cause, hidden)).collect() })
 }
 
-impl Ground<'_> {
+impl<'a> Ground<'a> {
+    fn new(robot: &'a Robot, heavy: bool, seed: u64, rng: &mut ChaCha8Rng) -> Outcome<Self> {
+        let visits = *[90, 120, 160].choose(rng).unwrap_or(&120);
+        let chain = robot.chain()?;
+        let campaign = robot.campaign(&chain, visits, seed)?;
+        let hours = campaign.duration_s() / 3600.0 + 0.02;
+        Ok(Ground { robot, chain, campaign, heavy, hours, seed })
+    }
+
     fn undeclared(&self, hidden: Option<&Hidden>) -> Undeclared {
         hidden.map(|hidden| hidden.undeclared.clone()).unwrap_or_default()
     }
 
     /// With everything that is hidden, each of its size.
-    fn plant(&self, hidden: &[(&Hidden, f64)]) -> Result<Plant, Box<dyn Error>> {
+    fn plant(&self, hidden: &[(&Hidden, f64)]) -> Outcome<Plant> {
         let undeclared = self.undeclared(hidden.first().map(|(hidden, _)| *hidden));
         let mut options = self.robot.options(&self.chain, &undeclared, self.heavy, self.hours);
         for (hidden, size) in hidden {
-            (hidden.install)(&mut options, *size);
+            (hidden.install)(&mut options.errors, *size);
         }
         let plant = Plant::random(&self.chain, &options, self.seed)?;
         let wandering = hidden.iter().find_map(|(hidden, size)| Some((hidden.wobbles?, *size)));
@@ -168,34 +165,24 @@ impl Ground<'_> {
     }
 
     /// The wandering of a turn's axis: sideways and in direction, m and rad.
-    fn wobble(&self, joint: JointId, size: f64) -> Result<GuidewayProfile, Box<dyn Error>> {
+    fn wobble(&self, joint: JointId, size: f64) -> Outcome<GuidewayProfile> {
         let described = self.chain.joint(joint);
         let axis = match described.placement {
             Placement::Origin { axis, .. } => axis.into_inner(),
-            _ => truepose_kinematics::nalgebra::Vector3::z(),
+            _ => Vector3::z(),
         };
         let (lower, upper) = described.limits.unwrap_or((-std::f64::consts::PI, std::f64::consts::PI));
         let across = |k: usize| if axis[k % 3].abs() > 0.5 { 0.0 } else { size };
         let mut rng = ChaCha8Rng::seed_from_u64(self.seed ^ 0x77);
-        Ok(GuidewayProfile::draw(
-            (lower, upper),
-            (upper - lower) / 7.0,
-            std::array::from_fn(across),
-            &mut rng,
-        )?)
+        let (size, period) = (std::array::from_fn(across), (upper - lower) / 7.0);
+        Ok(GuidewayProfile::draw((lower, upper), period, size, &mut rng)?)
     }
 
     /// The largest load of each movable joint of the robot as described, N·m or N.
-    fn loads(&self) -> Result<Vec<f64>, Box<dyn Error>> {
-        let plant = Plant::perfect(&self.chain)?;
-        let mut largest = vec![0.0f64; self.chain.movable().len()];
-        for visit in self.campaign.visits.iter().take(60) {
-            let at = Conditions::at(&self.chain, &visit.joints).with_load(visit.load);
-            for (most, load) in largest.iter_mut().zip(plant.joint_loads(&at)?) {
-                *most = most.max(load.abs());
-            }
-        }
-        Ok(largest)
+    fn loads(&self) -> Outcome<Vec<f64>> {
+        let visits = self.campaign.visits.iter().take(60);
+        let at = |visit: &Visit| Conditions::at(&self.chain, &visit.joints).with_load(visit.load);
+        largest_loads(&self.chain, visits.map(at))
     }
 
     /// Standard deviations as they are, on the average.
@@ -210,18 +197,12 @@ impl Ground<'_> {
     }
 
     /// λ of a size.
-    fn lambda(&self, hidden: Option<&Hidden>, size: f64) -> Result<f64, Box<dyn Error>> {
+    fn lambda(&self, hidden: Option<&Hidden>, size: f64) -> Outcome<f64> {
         let one: Vec<(&Hidden, f64)> = hidden.into_iter().map(|hidden| (hidden, size)).collect();
         let real = self.plant(&one)?;
-        let mut quiet = real.clone();
-        quiet.instrument.sd = 0.0;
-        quiet.instrument.transverse_per_metre = 0.0;
-        quiet.instrument.orientation_sd = real.instrument.orientation_sd.map(|_| 0.0);
-        quiet.repeatability.sd = 0.0;
-        let data = quiet.measure(&self.campaign, self.seed)?;
+        let data = noise_free(&real).measure(&self.campaign, self.seed)?;
         let data = data.select(&hold_out(&data, HOLDOUT.0, HOLDOUT.1)?.0);
         let declared = self.undeclared(hidden).effects(&self.chain);
-        let model = ErrorModel::new(self.chain.clone(), declared)?;
         let options = FitOptions {
             noise: NoiseSource::Fixed(self.noise(&real, &data)),
             // As good as none, but for directions that nothing excites.
@@ -229,7 +210,7 @@ impl Ground<'_> {
             max_iterations: 30,
             ..FitOptions::default()
         };
-        Ok(fit(&model, &data, &PivotedQr::default(), &options)?.chi_square)
+        Ok(fitted(&self.chain, &declared, &data, &options)?.chi_square)
     }
 
     /// The size with the required λ, and its λ; none where there is no such size.
@@ -238,7 +219,7 @@ impl Ground<'_> {
         cause: Option<HiddenEffect>,
         hidden: Option<&Hidden>,
         multiple: f64,
-    ) -> Result<Option<(f64, f64)>, Box<dyn Error>> {
+    ) -> Outcome<Option<(f64, f64)>> {
         let goal = DETECTABLE * multiple * multiple;
         let Some(cause) = cause else { return Ok(Some((0.0, self.lambda(None, 0.0)?))) };
         if cause == HiddenEffect::Outliers {
@@ -269,7 +250,7 @@ impl Ground<'_> {
     }
 
     /// The campaign as it was measured. A plant that has outliers shows one at least where the loop may look.
-    fn seen(&self, plant: &Plant) -> Result<Observation, Box<dyn Error>> {
+    fn seen(&self, plant: &Plant) -> Outcome<Observation> {
         let wanted = plant.blunders.outlier_share > 0.0;
         for again in 0..PLACES {
             let seen = plant.observe(&self.campaign, self.seed + 17 + 1_000_003 * again)?;
@@ -281,11 +262,11 @@ impl Ground<'_> {
         Err("no draw of the noise has an outlier in the training rows".into())
     }
 
-    fn measured(self, plant: Plant, hidden: Option<Hidden>, lambda: f64) -> Result<Made, Box<dyn Error>> {
+    fn measured(self, plant: Plant, hidden: Option<Hidden>, lambda: f64) -> Outcome<Made> {
         let seen = self.seen(&plant)?;
         let declared = self.undeclared(hidden.as_ref()).effects(&self.chain);
         Ok(Made {
-            robot: self.robot.name,
+            robot: self.robot.name.clone(),
             heavy: self.heavy,
             chain: self.chain,
             declared,

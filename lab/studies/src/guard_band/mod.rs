@@ -11,20 +11,10 @@
 //! | conform | the true value is below the upper bound: what is said to conform at a limit does so with 95 % |
 //! | not conform | the true value is above the lower bound |
 
-use crate::results::finish;
-use crate::{asked, folder};
-use clap::Parser;
-use rayon::prelude::*;
-use std::error::Error;
-use std::fmt::Write;
+use crate::prelude::*;
 use truepose_acceptance::{Assessment, AssessmentOptions, Figure, assess, one_sided_factor};
-use truepose_errormodel::effects::Geometric;
-use truepose_errormodel::{ErrorModel, Schema};
-use truepose_identify::{FitOptions, fit};
-use truepose_kinematics::nalgebra::Vector3;
-use truepose_kinematics::{Chain, Conditions, samples};
-use truepose_simulate::{Campaign, Plant, PlantDescription, PlantOptions};
-use truepose_solvers::PivotedQr;
+use truepose_errormodel::Schema;
+use truepose_simulate::PlantDescription;
 
 /// Standard deviations of an axis: what the robot does differently each time, and the instrument; µm.
 const REPEATABILITY: f64 = 20.0;
@@ -32,7 +22,7 @@ const INSTRUMENT: f64 = 10.0;
 const CYCLES: usize = 30;
 /// Cycles that stand for all.
 const MANY: usize = 20_000;
-/// The range that is asked for.
+/// The required range.
 const WANTED: [f64; 2] = [0.94, 0.97];
 
 /// How often bounds held, and of how many.
@@ -46,20 +36,18 @@ struct Held {
 
 /// The options of the run.
 #[derive(Parser)]
-struct Asked {
+struct Options {
     #[arg(long, default_value_t = 2000)]
     robots: u64,
 }
 
 /// Runs the study.
-pub fn run(arguments: &[String]) -> Result<(), Box<dyn Error>> {
-    let Asked { robots } = asked(arguments)?;
+pub fn run(arguments: &[String]) -> Outcome {
+    let Options { robots } = parsed(arguments)?;
     let chain = samples::ur10();
     let scatter = scatter(&chain)?;
-    let rows = (0..robots)
-        .into_par_iter()
-        .map(|seed| one(&chain, seed, scatter).map_err(|error| error.to_string()))
-        .collect::<Result<Vec<Vec<Held>>, String>>()?;
+    let one = |seed| one(&chain, seed, scatter);
+    let rows = (0..robots).into_par_iter().map(one).collect::<Outcome<Vec<Vec<Held>>>>()?;
     let mut total: Vec<Held> = rows.first().cloned().unwrap_or_default();
     for row in &rows[1..] {
         for (sum, one) in total.iter_mut().zip(row) {
@@ -67,25 +55,21 @@ pub fn run(arguments: &[String]) -> Result<(), Box<dyn Error>> {
                 (sum.above + one.above, sum.below + one.below, sum.all + one.all);
         }
     }
-    let mut text = format!(
-        "{robots} simulated robots, {CYCLES} cycles; one-sided 95 % bounds hold in (wanted: {} to {} %)\n{:28} {:>9} {:>12} {:>9}\n",
-        100.0 * WANTED[0],
-        100.0 * WANTED[1],
-        "figure",
-        "conform",
-        "not conform",
-        "figures"
-    );
-    for held in &total {
-        let share = |count: usize| format!("{:.2} %", 100.0 * count as f64 / held.all.max(1) as f64);
-        let (above, below) = (share(held.above), share(held.below));
-        writeln!(text, "{:28} {above:>9} {below:>12} {:>9}", held.name, held.all)?;
+    let mut table = Table::columns("figure -28|conform 9|not conform 12|figures 9");
+    for Held { name, above, below, all } in total {
+        let share = |hits: usize| format!("{:.2} %", Fraction { hits, of: all }.percent());
+        table.row(&[&name, &share(above), &share(below), &all]);
     }
+    let [low, high] = WANTED.map(|share| 100.0 * share);
+    let text = format!(
+        "{robots} simulated robots, {CYCLES} cycles; one-sided 95 % bounds hold in (wanted: {low} to {high} %)\n{}",
+        table.text()
+    );
     finish("guard-band", &folder("guard-band")?.join("table.txt"), &text)
 }
 
 /// A robot with constant errors.
-fn plant(chain: &Chain, seed: u64) -> Result<Plant, Box<dyn Error>> {
+fn plant(chain: &Chain, seed: u64) -> Outcome<Plant> {
     let text = format!(
         "[errors.geometric]\nposition_mm = 0.4\nangle_mrad = 0.4\ntarget_mm = 0.1\n\
          [instrument]\nsd_um = {INSTRUMENT}\norientation_urad = 20\n[repeatability]\nsd_um = {REPEATABILITY}\n"
@@ -96,25 +80,25 @@ fn plant(chain: &Chain, seed: u64) -> Result<Plant, Box<dyn Error>> {
 }
 
 /// Each posture of a campaign so many times, the tool's origin alone.
-fn campaign(chain: &Chain, postures: usize, times: usize, seed: u64) -> Result<Campaign, Box<dyn Error>> {
+fn campaign(chain: &Chain, postures: usize, times: usize, seed: u64) -> Outcome<Campaign> {
     let mut campaign = Campaign::random(chain, postures, seed)?.repeated(times);
     campaign.targets = vec![None];
     Ok(campaign)
 }
 
 /// RP_l of very many cycles, m: the scatter is the same for all robots and poses.
-fn scatter(chain: &Chain) -> Result<f64, Box<dyn Error>> {
+fn scatter(chain: &Chain) -> Outcome<f64> {
     let data = plant(chain, 0)?.measure(&campaign(chain, 1, MANY, 1)?, 1)?;
     let found = assess(chain, None, &data, &AssessmentOptions::default())?;
     Ok(found.before.poses[0].pose.rp.value)
 }
 
-fn one(chain: &Chain, seed: u64, scatter: f64) -> Result<Vec<Held>, Box<dyn Error>> {
+fn one(chain: &Chain, seed: u64, scatter: f64) -> Outcome<Vec<Held>> {
     let plant = plant(chain, seed)?;
     let poses = campaign(chain, 5, CYCLES, seed)?;
     let found = assess(chain, None, &plant.measure(&poses, seed)?, &AssessmentOptions::default())?;
     let to_base = chain.base().pose.inverse();
-    let true_deviation = |pose: usize| -> Result<Vector3<f64>, Box<dyn Error>> {
+    let true_deviation = |pose: usize| -> Outcome<Vector3<f64>> {
         let at = Conditions::at(chain, &poses.visits[pose].joints);
         let nominal = chain.forward(&at.joints).translation;
         Ok(to_base.rotation * (plant.true_position(&at, None)? - nominal))
@@ -152,10 +136,9 @@ fn figures(found: &Assessment, truths: &[Vector3<f64>], scatter: f64) -> Vec<Hel
 }
 
 /// The true error of a fit at poses that it has not seen, against the uncertainty from its coefficients.
-fn budget(chain: &Chain, plant: &Plant, seed: u64) -> Result<Held, Box<dyn Error>> {
+fn budget(chain: &Chain, plant: &Plant, seed: u64) -> Outcome<Held> {
     let data = plant.measure(&campaign(chain, 40, 2, seed + 1_000_000)?, seed)?;
-    let model = ErrorModel::new(chain.clone(), vec![Box::new(Geometric::default())])?;
-    let fitted = fit(&model, &data, &PivotedQr::default(), &FitOptions::default())?.fitted;
+    let fitted = fitted(chain, &constant_errors(), &data, &FitOptions::default())?.fitted;
     let mut predictor = fitted.bind(&Schema::default())?;
     let mut held = Held { name: "budget: model parameters", ..Held::default() };
     for visit in &campaign(chain, 20, 1, seed + 2_000_000)?.visits {

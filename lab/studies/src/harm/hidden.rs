@@ -1,15 +1,13 @@
 //! Hidden effects of a robot: undeclared errors, by the plant's physics or of no named family.
 
-use super::draw::Draw;
 use super::makes::Make;
 use super::unnamed::Unnamed;
-use truepose_kinematics::{Chain, JointKind};
-use truepose_simulate::flaws::{
-    Backlash, Drift, Flaws, JointCompliance, LeadScrew, Mislabelled, Shift, Thermal, Transmission, Wheel,
-};
+use crate::prelude::*;
+use truepose_simulate::flaws::{Drift, JointCompliance, LeadScrew, Mislabelled, Shift, Thermal};
 
 /// Kinds of what is hidden.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+#[value(rename_all = "snake_case")]
 pub enum Hidden {
     Nothing,
     /// An eccentric wheel in two joints.
@@ -37,40 +35,15 @@ pub enum Hidden {
 }
 
 /// In turn; a robot in six hides nothing.
-pub const HIDDEN: [Hidden; 13] = [
-    Hidden::Nothing,
-    Hidden::Gear,
-    Hidden::Compliance,
-    Hidden::Nonsense,
-    Hidden::Backlash,
-    Hidden::Nothing,
-    Hidden::Thermal,
-    Hidden::Hysteresis,
-    Hidden::Several,
-    Hidden::Drift,
-    Hidden::Wander,
-    Hidden::Payload,
-    Hidden::Mesh,
-];
+pub const HIDDEN: [Hidden; 13] = {
+    use Hidden::*;
+    [
+        Nothing, Gear, Compliance, Nonsense, Backlash, Nothing, Thermal, Hysteresis, Several, Drift, Wander,
+        Payload, Mesh,
+    ]
+};
 
 impl Hidden {
-    pub fn word(self) -> &'static str {
-        match self {
-            Hidden::Nothing => "nothing",
-            Hidden::Gear => "gear",
-            Hidden::Mesh => "mesh",
-            Hidden::Compliance => "compliance",
-            Hidden::Backlash => "backlash",
-            Hidden::Thermal => "thermal",
-            Hidden::Drift => "drift",
-            Hidden::Payload => "payload",
-            Hidden::Several => "several",
-            Hidden::Nonsense => "nonsense",
-            Hidden::Hysteresis => "hysteresis",
-            Hidden::Wander => "wander",
-        }
-    }
-
     /// Whether it takes different payloads to be seen.
     pub fn needs_loads(self) -> bool {
         self == Hidden::Payload
@@ -98,12 +71,7 @@ impl Hidden {
             Hidden::Compliance => compliance(flaws, chain, make, draw),
             Hidden::Backlash => {
                 for k in draw.some(2, turns.len()) {
-                    let width_mrad = Some(draw.logarithmic(0.15, 1.0));
-                    flaws.backlash.push(Backlash {
-                        joint: turns[k].clone(),
-                        width_mrad,
-                        ..Backlash::default()
-                    });
+                    flaws.backlash.push(backlash(turns[k].clone(), false, draw.logarithmic(0.15, 1.0)));
                 }
             }
             Hidden::Thermal => thermal(flaws, &all, seconds, draw),
@@ -154,13 +122,7 @@ fn periodic(flaws: &mut Flaws, joint: &str, turn: bool, mesh: bool, draw: &mut D
     let mrad = if mesh { draw.logarithmic(0.05, 0.4) } else { draw.logarithmic(0.1, 0.8) };
     let cycles = draw.logarithmic(15.0, 120.0).round();
     if turn {
-        flaws.transmission.push(Transmission {
-            joint: joint.into(),
-            wheel: if mesh { Wheel::Mesh } else { Wheel::Eccentric },
-            amplitude_mrad: mrad,
-            cycles: mesh.then_some(cycles),
-            phase_deg: None,
-        });
+        flaws.transmission.push(gear(joint.into(), mrad, mesh.then_some(cycles)));
     } else {
         let lead_mm = if mesh { 10.0 } else { 150.0 };
         flaws.lead_screw.push(LeadScrew { joint: joint.into(), lead_mm, amplitude_um: 200.0 * mrad });

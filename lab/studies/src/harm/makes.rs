@@ -1,13 +1,11 @@
-//! Kinds of robots: dimensions of real machines, 0.8 to 1.25 times, each length within a tenth, in three ways of describing them.
+//! Kinds of robots: dimensions of real machines (`makes.txt`), 0.8 to 1.25 times, each length within a tenth, in three ways of describing them.
 
-use super::draw::Draw;
-use std::error::Error;
-use std::f64::consts::{FRAC_PI_2, PI};
-use truepose_kinematics::nalgebra::{Unit, Vector3};
-use truepose_kinematics::{Chain, Joint, JointKind, Placement, Pose};
+use crate::prelude::*;
+use std::f64::consts::FRAC_PI_2;
+use truepose_kinematics::nalgebra::Unit;
 
 /// A kind of robot.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Make {
     /// A collaborative 6R arm: three parallel axes, offset wrist; standard DH.
     Collaborative,
@@ -23,9 +21,6 @@ pub enum Make {
     Seven,
 }
 
-pub const MAKES: [Make; 7] =
-    [Make::Collaborative, Make::Medium, Make::Small, Make::Heavy, Make::Scara, Make::Gantry, Make::Seven];
-
 /// What else goes with a kind.
 pub struct Class {
     /// m.
@@ -37,18 +32,6 @@ pub struct Class {
 }
 
 impl Make {
-    pub fn word(self) -> &'static str {
-        match self {
-            Make::Collaborative => "collaborative",
-            Make::Medium => "medium",
-            Make::Small => "small",
-            Make::Heavy => "heavy",
-            Make::Scara => "scara",
-            Make::Gantry => "gantry",
-            Make::Seven => "seven",
-        }
-    }
-
     pub fn class(self) -> Class {
         let (reach, payload, weight) = match self {
             Make::Collaborative => (1.0, 8.0, 28.0),
@@ -63,19 +46,15 @@ impl Make {
     }
 
     /// One of its kind, without base, tool and targets; with its weights where the maker publishes them.
-    pub fn chain(self, draw: &mut Draw) -> Result<Chain, Box<dyn Error>> {
+    pub fn chain(self, draw: &mut Draw) -> Outcome<Chain> {
         let scale = draw.between(0.8, 1.25);
         let weighed = draw.chance(0.5);
         let mut length = |metres: f64| metres * scale * draw.between(0.9, 1.1);
-        let mut joints = match self {
-            Make::Collaborative => collaborative(&mut length),
-            Make::Medium => medium(&mut length),
-            Make::Small => small(&mut length),
-            Make::Heavy => heavy(&mut length),
-            Make::Scara => scara(&mut length),
-            Make::Gantry => gantry(&mut length),
-            Make::Seven => seven(&mut length),
-        };
+        let mut joints = Vec::new();
+        let rows = include_str!("makes.txt").lines().filter(|line| !line.starts_with('#'));
+        for (k, row) in rows.filter_map(|row| row.strip_prefix(&self.word())).enumerate() {
+            joints.push(joint(k, row, &mut length).ok_or_else(|| format!("makes.txt: {row}"))?);
+        }
         if weighed {
             let class = self.class();
             let n = joints.len();
@@ -91,124 +70,35 @@ impl Make {
     }
 }
 
-fn dh(rows: &[(f64, f64, f64, f64)], limits: &[f64]) -> Vec<Joint> {
-    named(rows.iter().map(|&(theta, d, a, alpha)| Placement::Dh { theta, d, a, alpha }), limits)
-}
-
-fn mdh(rows: &[(f64, f64, f64, f64)], limits: &[f64]) -> Vec<Joint> {
-    named(rows.iter().map(|&(alpha, a, theta, d)| Placement::Mdh { alpha, a, theta, d }), limits)
-}
-
-fn named(placements: impl Iterator<Item = Placement>, limits: &[f64]) -> Vec<Joint> {
-    let joint = |(k, (placement, &limit)): (usize, (_, &f64))| {
-        Joint::new(format!("j{}", k + 1), JointKind::Revolute, placement).with_limits(-limit, limit)
+/// The joint of a row of `makes.txt`.
+fn joint(k: usize, row: &str, length: &mut impl FnMut(f64) -> f64) -> Option<Joint> {
+    let mut words = row.split_whitespace();
+    let (kind, lower, upper, form) = (words.next()?, words.next()?, words.next()?, words.next()?);
+    // A number with a star is a length that differs from robot to robot.
+    let mut number = || -> Option<f64> {
+        let word = words.next()?;
+        match word.split_once('*') {
+            Some((sign, metres)) => {
+                let metres = length(metres.parse().ok()?);
+                Some(if sign == "-" { -metres } else { metres })
+            }
+            None => word.parse().ok(),
+        }
     };
-    placements.zip(limits).enumerate().map(joint).collect()
-}
-
-fn collaborative(length: &mut impl FnMut(f64) -> f64) -> Vec<Joint> {
-    dh(
-        &[
-            (0.0, length(0.128), 0.0, FRAC_PI_2),
-            (0.0, 0.0, -length(0.52), 0.0),
-            (0.0, 0.0, -length(0.48), 0.0),
-            (0.0, length(0.142), 0.0, FRAC_PI_2),
-            (0.0, length(0.116), 0.0, -FRAC_PI_2),
-            (0.0, length(0.092), 0.0, 0.0),
-        ],
-        &[3.1, 2.4, 2.6, 3.1, 3.1, 3.1],
-    )
-}
-
-fn medium(length: &mut impl FnMut(f64) -> f64) -> Vec<Joint> {
-    dh(
-        &[
-            (0.0, length(0.40), length(0.025), -FRAC_PI_2),
-            (0.0, 0.0, length(0.455), 0.0),
-            (-FRAC_PI_2, 0.0, length(0.035), -FRAC_PI_2),
-            (0.0, length(0.42), 0.0, FRAC_PI_2),
-            (0.0, 0.0, 0.0, -FRAC_PI_2),
-            (0.0, length(0.08), 0.0, 0.0),
-        ],
-        &[2.9, 1.7, 1.9, 3.0, 2.0, 3.1],
-    )
-}
-
-fn small(length: &mut impl FnMut(f64) -> f64) -> Vec<Joint> {
-    let (x, y, z) = ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]);
-    let parts = [
-        ([0.0; 3], z),
-        ([0.0, 0.0, length(0.135)], y),
-        ([0.0, 0.0, length(0.135)], y),
-        ([length(0.06), 0.0, length(0.038)], x),
-        ([length(0.06), 0.0, 0.0], y),
-        ([length(0.07), 0.0, 0.0], x),
-    ];
-    let limits = [2.9, 1.2, 1.2, 2.9, 1.9, 3.1];
-    named(parts.into_iter().map(|(xyz, axis)| origin(xyz, axis)), &limits)
-}
-
-fn heavy(length: &mut impl FnMut(f64) -> f64) -> Vec<Joint> {
-    mdh(
-        &[
-            (0.0, 0.0, 0.0, length(0.65)),
-            (-FRAC_PI_2, length(0.32), 0.0, 0.0),
-            (0.0, length(1.1), -FRAC_PI_2, 0.0),
-            (-FRAC_PI_2, -length(0.05), 0.0, length(1.15)),
-            (FRAC_PI_2, 0.0, 0.0, 0.0),
-            (-FRAC_PI_2, 0.0, 0.0, length(0.21)),
-        ],
-        &[2.6, 1.2, 1.4, 3.0, 2.0, 3.1],
-    )
-}
-
-fn scara(length: &mut impl FnMut(f64) -> f64) -> Vec<Joint> {
-    let mut joints = mdh(
-        &[
-            (0.0, 0.0, 0.0, length(0.4)),
-            (0.0, length(0.35), 0.0, 0.0),
-            (PI, length(0.3), 0.0, 0.0),
-            (0.0, 0.0, 0.0, length(0.05)),
-        ],
-        &[2.2, 2.4, 0.25, 3.0],
-    );
-    joints[2].kind = JointKind::Prismatic;
-    joints[2].limits = Some((0.0, 0.25));
-    joints
-}
-
-fn gantry(length: &mut impl FnMut(f64) -> f64) -> Vec<Joint> {
-    let (x, y, down, up) = ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, -1.0], [0.0, 0.0, 1.0]);
-    let parts = [
-        ([0.0, 0.0, length(2.0)], x),
-        ([0.0, 0.0, length(0.15)], y),
-        ([length(0.1), 0.0, -0.2], down),
-        ([0.0, 0.0, -length(0.35)], up),
-    ];
-    let mut joints = named(parts.into_iter().map(|(xyz, axis)| origin(xyz, axis)), &[3.0; 4]);
-    for (joint, travel) in joints.iter_mut().zip([2.5, 1.6, 0.8]) {
-        joint.kind = JointKind::Prismatic;
-        joint.limits = Some((0.0, travel));
-    }
-    joints
-}
-
-fn seven(length: &mut impl FnMut(f64) -> f64) -> Vec<Joint> {
-    mdh(
-        &[
-            (0.0, 0.0, 0.0, length(0.34)),
-            (-FRAC_PI_2, 0.0, 0.0, 0.0),
-            (FRAC_PI_2, 0.0, 0.0, length(0.4)),
-            (FRAC_PI_2, 0.0, 0.0, 0.0),
-            (-FRAC_PI_2, 0.0, 0.0, length(0.4)),
-            (-FRAC_PI_2, 0.0, 0.0, 0.0),
-            (FRAC_PI_2, 0.0, 0.0, length(0.126)),
-        ],
-        &[2.9, 2.0, 2.9, 2.0, 2.9, 2.0, 3.0],
-    )
-}
-
-fn origin(xyz: [f64; 3], axis: [f64; 3]) -> Placement {
-    let pose = Pose { translation: Vector3::from(xyz), ..Pose::IDENTITY };
-    Placement::Origin { pose, axis: Unit::new_normalize(Vector3::from(axis)) }
+    let [a, b, c, d] = [number()?, number()?, number()?, number()?];
+    let right = |quarters: f64| quarters * FRAC_PI_2;
+    let placement = match form {
+        "dh" => Placement::Dh { theta: right(a), d: b, a: c, alpha: right(d) },
+        "mdh" => Placement::Mdh { alpha: right(a), a: b, theta: right(c), d },
+        // Position and the number of the axis, negative where it is opposed.
+        _ => {
+            let mut axis = Vector3::zeros();
+            axis[d.abs() as usize - 1] = d.signum();
+            let pose = Pose { translation: Vector3::new(a, b, c), ..Pose::IDENTITY };
+            Placement::Origin { pose, axis: Unit::new_normalize(axis) }
+        }
+    };
+    let kind = if kind == "slide" { JointKind::Prismatic } else { JointKind::Revolute };
+    let name = format!("j{}", k + 1);
+    Some(Joint::new(name, kind, placement).with_limits(lower.parse().ok()?, upper.parse().ok()?))
 }

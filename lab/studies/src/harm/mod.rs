@@ -2,13 +2,10 @@
 //!
 //! A robot's number decides everything: its kind and dimensions, what is wrong with it, how it is measured, what goes wrong
 //! with the record. Even numbers are there to be worked with; odd ones are locked: nothing is tuned to them.
-//!
-//! `study harm [--robots FROM..TO] [--half even|odd] [--verbs V,V] [--nested] [--folder NAME]` runs what is not yet in its tables, one line a
-//! robot; verbs are solvers, discover, export, compensate (identify always runs). `study harm --one NUMBER` shows one robot.
 
-mod draw;
+use crate::prelude::*;
+
 mod executed;
-mod fits;
 mod hidden;
 mod makes;
 mod record;
@@ -19,21 +16,14 @@ mod unnamed;
 mod verbs;
 mod visits;
 
-use crate::journal::Journal;
-use crate::results::{Kept, finish};
-use crate::{asked, print};
-use clap::Parser;
 use record::{Figure, Record};
 use robots::{Robot, locked};
-use std::error::Error;
 use std::ops::Range;
-use verbs::Asked;
+use verbs::Verb;
 
 /// Default number of robots; with nested folds.
 const ROBOTS: Range<u64> = 0..220;
 const NESTED: Range<u64> = 0..60;
-
-const ALL: Asked = Asked { solvers: true, discover: true, export: true, compensate: true };
 
 /// The options of the run.
 #[derive(Parser)]
@@ -46,9 +36,9 @@ struct Options {
     one: Option<u64>,
     #[arg(long, value_parser = ["even", "odd"])]
     half: Option<String>,
-    /// Of identify (which always runs), solvers, discover, export, compensate.
-    #[arg(long, value_parser = verbs)]
-    verbs: Option<Asked>,
+    /// Besides identify, which always runs.
+    #[arg(long, value_enum, value_delimiter = ',', default_values_t = Verb::all().to_vec())]
+    verbs: Vec<Verb>,
     #[arg(long)]
     nested: bool,
     #[command(flatten)]
@@ -56,27 +46,20 @@ struct Options {
 }
 
 /// Runs the study.
-pub fn run(arguments: &[String]) -> Result<(), Box<dyn Error>> {
-    let options: Options = asked(arguments)?;
+pub fn run(arguments: &[String]) -> Outcome {
+    let options: Options = parsed(arguments)?;
     let (folder, commit) = options.kept.open("harm")?;
     let part = if options.nested { "nested" } else { "harm" };
     let mut journal: Journal<Record> = Journal::open(&folder, part, &commit)?;
     let numbers = options.one.map(|number| number..number + 1).or(options.robots.clone());
     let numbers = numbers.unwrap_or(if options.nested { NESTED } else { ROBOTS });
     let wanted = |n: &u64| options.half.as_ref().is_none_or(|half| locked(*n) == (half == "odd"));
-    for number in numbers.clone().filter(wanted) {
-        if journal.records.iter().any(|known| known.number == number) {
-            continue;
-        }
-        let robot = Robot::of(number)?;
-        let record = if options.nested {
-            verbs::run_nested(&robot)
-        } else {
-            verbs::run(&robot, options.verbs.unwrap_or(ALL))
-        };
-        print(&progress(&record, options.nested));
-        journal.add(record)?;
-    }
+    let run = |number: &u64| {
+        let robot = Robot::of(*number)?;
+        Ok(if options.nested { verbs::run_nested(&robot) } else { verbs::run(&robot, &options.verbs) })
+    };
+    let words = |_: &u64, record: &Record| Some(progress(record, options.nested));
+    journal.complete(numbers.clone().filter(wanted), |known, number| known.number == *number, run, words)?;
     let mine: Vec<Record> =
         journal.records.iter().filter(|record| numbers.contains(&record.number)).cloned().collect();
     let text = if options.nested { table::nested(&mine)? } else { table::harm(&mine)? };
@@ -104,8 +87,8 @@ fn progress(r: &Record, nested: bool) -> String {
         line += &format!(" {word} {:.4}", r.get(*figure));
     }
     let seconds = r.get(if nested { Figure::SecondsNested } else { Figure::SecondsDiscover });
-    let harmed: Vec<&str> =
-        table::exceptions(std::slice::from_ref(r)).iter().map(|judged| judged.verb).collect();
+    let exceptions = table::exceptions(std::slice::from_ref(r));
+    let harmed: Vec<&str> = exceptions.iter().map(|judged| judged.verb).collect();
     line += &format!(" mm; {seconds:.1} s");
     if !harmed.is_empty() {
         line += &format!("; HARM: {}", harmed.join(", "));
@@ -122,29 +105,9 @@ fn range(text: &str) -> Result<Range<u64>, String> {
     Ok(number(from)?..number(to)?)
 }
 
-/// The verbs of a list; `identify` always runs.
-fn verbs(list: &str) -> Result<Asked, String> {
-    let mut asked = Asked { solvers: false, discover: false, export: false, compensate: false };
-    for word in list.split(',') {
-        match word {
-            "identify" => {}
-            "solvers" => asked.solvers = true,
-            "discover" => asked.discover = true,
-            "export" => asked.export = true,
-            "compensate" => asked.compensate = true,
-            _ => {
-                let known = "identify, solvers, discover, export, compensate";
-                return Err(format!("unknown verb `{word}`; there are: {known}"));
-            }
-        }
-    }
-    Ok(asked)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use rayon::prelude::*;
 
     /// Robots whose verbs take least time.
     const FEW: [u64; 12] = [0, 4, 6, 14, 17, 19, 22, 26, 38, 45, 51, 59];
@@ -167,8 +130,10 @@ mod tests {
     /// A short form of the study: all verbs, the same bound.
     #[test]
     fn no_verb_does_harm_that_is_not_named() {
-        let records: Vec<Record> =
-            FEW.par_iter().map(|&number| verbs::run(&Robot::of(number).expect("a robot"), ALL)).collect();
+        let records: Vec<Record> = FEW
+            .par_iter()
+            .map(|&number| verbs::run(&Robot::of(number).expect("a robot"), Verb::all()))
+            .collect();
         let named = |number, verb| KNOWN.contains(&(number, verb));
         let mut unnamed: Vec<String> = table::exceptions(&records)
             .iter()

@@ -1,7 +1,6 @@
 //! One line a robot.
 
-use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
+use crate::prelude::*;
 
 /// What is measured; RMS in mm unless the name has another unit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -70,6 +69,17 @@ impl Record {
         if value.is_finite() {
             self.figures.insert(figure, value);
         }
+    }
+
+    /// Number, seed, robot and number of poses.
+    pub fn words(&self) -> String {
+        let Record { number, seed, make, style, hidden, spoil, poses, .. } = self;
+        format!("{number:>4} ({seed}) {make} {style} {hidden} {spoil}, {poses} poses")
+    }
+
+    /// The result of a verb; a refusal and a panic are noted.
+    pub fn attempt<T>(&mut self, verb: &str, work: impl FnOnce() -> Outcome<T>) -> Option<T> {
+        caught(work).map_err(|why| self.refuse(verb, &why)).ok()
     }
 
     /// Notes that a verb gave no answer.

@@ -1,18 +1,13 @@
 //! One robot of this study: drawn from its number, measured, with blunders in its record; and the truth at other configurations.
 
-use super::draw::{Draw, Stream};
 use super::hidden::{HIDDEN, Hidden};
-use super::makes::{MAKES, Make};
+use super::makes::Make;
 use super::spoil::{SPOILS, Spoil};
 use super::unnamed::Unnamed;
 use super::visits::{Region, STYLES, Style};
-use std::error::Error;
-use truepose_errormodel::Dataset;
-use truepose_kinematics::nalgebra::Vector3;
-use truepose_kinematics::{Chain, Load, Payload, Placed, Pose, Target, TargetId};
-use truepose_simulate::description::{InstrumentSize, PlantOptions, RepeatabilitySize, ShopDay};
-use truepose_simulate::flaws::{Flaws, Geometric};
-use truepose_simulate::{Campaign, ChannelPlan, Plant, Task, Visit};
+use crate::prelude::*;
+use truepose_simulate::Task;
+use truepose_simulate::flaws::Geometric;
 
 /// Configurations at which a result is compared with the plant.
 const FRESH: usize = 100;
@@ -23,6 +18,27 @@ const VISIT_S: f64 = 60.0;
 const SEED: u64 = 7000;
 /// All combinations of the four lists in turn: 7 × 13 × 5 × 11. The locked half begins in their middle.
 const TURN: u64 = 5005;
+
+/// What a stream is for.
+#[derive(Debug, Clone, Copy)]
+pub enum Stream {
+    Shape = 1,
+    Place,
+    Known,
+    Visits,
+    Hidden,
+    Unnamed,
+    Scatter,
+    Seen,
+    Spoil,
+    Fresh,
+}
+
+impl Stream {
+    pub fn draw(self, seed: u64) -> Draw {
+        Draw::of(seed, self as u64)
+    }
+}
 
 /// A robot, measured.
 pub struct Robot {
@@ -60,10 +76,10 @@ pub fn seed(number: u64) -> u64 {
 
 impl Robot {
     /// The robot of this number.
-    pub fn of(number: u64) -> Result<Self, Box<dyn Error>> {
+    pub fn of(number: u64) -> Outcome<Self> {
         let turn = number / 2 + if locked(number) { TURN / 2 } else { 0 };
         let in_turn = |count: usize| turn as usize % count;
-        let (make, hidden) = (MAKES[in_turn(7)], HIDDEN[in_turn(13)]);
+        let (make, hidden) = (Make::all()[in_turn(7)], HIDDEN[in_turn(13)]);
         let (style, spoil) = (STYLES[in_turn(5)], SPOILS[in_turn(11)]);
         let seed = seed(number);
         let draw = |stream: Stream| stream.draw(seed);
@@ -138,12 +154,12 @@ impl Robot {
     }
 
     /// Conditions of the fresh configurations as the verbs receive them: rows of the executed target, one a configuration.
-    pub fn asked(&self) -> Vec<usize> {
+    pub fn requested(&self) -> Vec<usize> {
         (0..self.truth.len()).filter(|&row| self.truth.target[row] == self.executed).collect()
     }
 
     /// Where the executed target really ends when these joint values are commanded in place of the fresh configurations, m.
-    pub fn ends(&self, commands: Vec<Vec<f64>>) -> Result<Vec<Vector3<f64>>, Box<dyn Error>> {
+    pub fn ends(&self, commands: Vec<Vec<f64>>) -> Outcome<Vec<Vector3<f64>>> {
         let mut campaign = self.fresh.clone();
         for (visit, joints) in campaign.visits.iter_mut().zip(commands) {
             visit.joints = joints;
@@ -156,29 +172,25 @@ impl Robot {
 }
 
 /// The robot with its base, tool and targets.
-fn placed(make: Make, spoil: Spoil, shape: &mut Draw, place: &mut Draw) -> Result<Chain, Box<dyn Error>> {
+fn placed(make: Make, spoil: Spoil, shape: &mut Draw, place: &mut Draw) -> Outcome<Chain> {
     let reach = make.class().reach;
     let chain = make.chain(shape)?;
     let turn = if place.chance(0.8) { 0.05 } else { 1.5 };
     let rpy = [turn * place.normal(), turn * place.normal(), place.between(-3.0, 3.0)];
     let xyz = [0.0; 3].map(|_: f64| place.between(-2.0, 2.0));
-    let base = Placed { pose: Pose::from_xyz_rpy(xyz, rpy), known: true };
+    let base = known(Pose::from_xyz_rpy(xyz, rpy));
     let offset = [0.02, 0.02, 0.12].map(|share| share * reach * place.between(0.5, 1.5));
     let rpy = [0.0; 3].map(|_: f64| 0.5 * place.normal());
-    let tool = Placed { pose: Pose::from_xyz_rpy(offset, rpy), known: true };
+    let tool = known(Pose::from_xyz_rpy(offset, rpy));
     let count = [0, 1, 1, 2, 3, 3, 4, 5][place.below(8)].max(spoil.targets());
-    let target = |k: usize, place: &mut Draw| Target {
-        name: format!("T{}", k + 1),
-        position: place.direction() * reach * place.between(0.04, 0.15),
-        known: true,
-        tool: truepose_kinematics::ToolId::FIRST,
-    };
-    let targets = (0..count).map(|k| target(k, place)).collect();
+    let targets = (0..count)
+        .map(|k| target(format!("T{}", k + 1), place.direction() * reach * place.between(0.04, 0.15)))
+        .collect();
     Ok(chain.with_base(base)?.with_tool(tool)?.with_targets(targets)?)
 }
 
 /// The robot as its user describes it: what he does not know he leaves to the program.
-fn described(chain: &Chain, spoil: Spoil, draw: &mut Draw) -> Result<Chain, Box<dyn Error>> {
+fn described(chain: &Chain, spoil: Spoil, draw: &mut Draw) -> Outcome<Chain> {
     let unknown = |placed: &Placed| Placed { pose: Pose::IDENTITY, known: !placed.known };
     let (base_known, targets_known, tool_known) = (draw.chance(0.5), draw.chance(0.5), draw.chance(0.8));
     let base = if base_known { *chain.base() } else { unknown(chain.base()) };
@@ -284,7 +296,7 @@ fn observed(
     campaign: &Campaign,
     scatter: Option<&mut Draw>,
     seed: u64,
-) -> Result<Observed, Box<dyn Error>> {
+) -> Outcome<Observed> {
     let commanded: Vec<Vec<f64>> = campaign.visits.iter().map(|visit| visit.joints.clone()).collect();
     let mut performed = campaign.clone();
     for (visit, joints) in performed.visits.iter_mut().zip(unnamed.performed(&commanded, scatter)) {
@@ -338,11 +350,11 @@ mod tests {
     fn truth_is_where_the_plant_ends_when_it_is_sent_there() {
         for number in 0..14 {
             let robot = Robot::of(number).expect("a robot");
-            let asked = robot.asked();
-            assert_eq!(asked.len(), FRESH);
-            let commands = asked.iter().map(|&row| robot.truth.conditions(row).joints).collect();
+            let requested = robot.requested();
+            assert_eq!(requested.len(), FRESH);
+            let commands = requested.iter().map(|&row| robot.truth.conditions(row).joints).collect();
             let ends = robot.ends(commands).expect("positions");
-            for (&row, end) in asked.iter().zip(&ends) {
+            for (&row, end) in requested.iter().zip(&ends) {
                 assert!((robot.truth.measured_position(row) - end).norm() < 1e-12, "{number}");
             }
         }
@@ -353,7 +365,7 @@ mod tests {
         for half in [false, true] {
             let numbers = (0..220).filter(|&n| locked(n) == half);
             let robots: Vec<Robot> = numbers.map(|n| Robot::of(n).expect("a robot")).collect();
-            assert!(MAKES.iter().all(|make| robots.iter().any(|robot| robot.make == *make)));
+            assert!(Make::all().iter().all(|make| robots.iter().any(|robot| robot.make == *make)));
             assert!(HIDDEN.iter().all(|hidden| robots.iter().any(|robot| robot.hidden == *hidden)));
             assert!(SPOILS.iter().all(|spoil| robots.iter().any(|robot| robot.spoil == *spoil)));
             assert!(STYLES.iter().all(|style| robots.iter().any(|robot| robot.style == *style)));

@@ -1,12 +1,11 @@
 //! What goes wrong with the record: what a robot's user gets wrong, or his controller.
 
-use super::draw::Draw;
-use truepose_errormodel::{Dataset, Visits, approach_from_order, visits_from_rows};
-use truepose_kinematics::TargetId;
-use truepose_kinematics::nalgebra::Vector3;
+use crate::prelude::*;
+use truepose_errormodel::{approach_from_order, visits_from_rows};
 
 /// Kinds of spoiling.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+#[value(rename_all = "snake_case")]
 pub enum Spoil {
     Nothing,
     /// Encoders flicker by 1e-5 to 1e-4 degrees (micrometres), and the file has no column `visit`.
@@ -28,35 +27,12 @@ pub enum Spoil {
 }
 
 /// In turn: three in eleven are as they should be.
-pub const SPOILS: [Spoil; 11] = [
-    Spoil::Nothing,
-    Spoil::WrongRows,
-    Spoil::Flicker,
-    Spoil::Leverage,
-    Spoil::Nothing,
-    Spoil::Swapped,
-    Spoil::Zeros,
-    Spoil::PoseOff,
-    Spoil::Nothing,
-    Spoil::FewRows,
-    Spoil::FlickerWrong,
-];
+pub const SPOILS: [Spoil; 11] = {
+    use Spoil::*;
+    [Nothing, WrongRows, Flicker, Leverage, Nothing, Swapped, Zeros, PoseOff, Nothing, FewRows, FlickerWrong]
+};
 
 impl Spoil {
-    pub fn word(self) -> &'static str {
-        match self {
-            Spoil::Nothing => "nothing",
-            Spoil::Flicker => "flicker",
-            Spoil::WrongRows => "wrong_rows",
-            Spoil::Zeros => "zeros",
-            Spoil::PoseOff => "pose_off",
-            Spoil::Swapped => "swapped",
-            Spoil::Leverage => "leverage",
-            Spoil::FewRows => "few_rows",
-            Spoil::FlickerWrong => "flicker_wrong",
-        }
-    }
-
     /// How many targets it takes.
     pub fn targets(self) -> usize {
         if matches!(self, Spoil::Swapped | Spoil::FewRows) { 2 } else { 0 }
@@ -140,8 +116,7 @@ fn swapped(data: &mut Dataset, visits: &[Vec<usize>], draw: &mut Draw) {
 
 #[cfg(test)]
 mod tests {
-    use super::super::draw::Stream;
-    use super::super::robots::Robot;
+    use super::super::robots::{Robot, Stream};
     use super::*;
 
     /// A record with three targets a pose.

@@ -2,7 +2,7 @@
 
 use super::record::{Figure, Record};
 use super::robots::locked;
-use std::fmt::{Error, Write};
+use crate::prelude::*;
 
 /// How much worse than the simplest alternative a result may be on the truth.
 pub const BOUND: f64 = 1.05;
@@ -19,7 +19,16 @@ pub struct Verb {
 
 impl Verb {
     const fn of(word: &'static str, figure: Figure) -> Self {
-        Verb { word, figure, nominal: Some(Figure::Nominal), constants: Some(Figure::Constants) }
+        Verb::against(word, figure, Some(Figure::Nominal), Some(Figure::Constants))
+    }
+
+    const fn against(
+        word: &'static str,
+        figure: Figure,
+        nominal: Option<Figure>,
+        constants: Option<Figure>,
+    ) -> Self {
+        Verb { word, figure, nominal, constants }
     }
 }
 
@@ -31,27 +40,18 @@ pub const VERBS: [Verb; 9] = [
     Verb::of("discover", Figure::Discover),
     Verb::of("export", Figure::Export),
     Verb::of("export as written", Figure::Written),
-    Verb {
-        word: "compensate (identify)",
-        figure: Figure::DriveConstants,
-        nominal: Some(Figure::DriveNominal),
-        constants: None,
-    },
-    Verb {
-        word: "compensate (discover)",
-        figure: Figure::DriveDiscover,
-        nominal: Some(Figure::DriveNominal),
-        constants: Some(Figure::DriveConstants),
-    },
+    Verb::against("compensate (identify)", Figure::DriveConstants, Some(Figure::DriveNominal), None),
+    Verb::against(
+        "compensate (discover)",
+        Figure::DriveDiscover,
+        Some(Figure::DriveNominal),
+        Some(Figure::DriveConstants),
+    ),
 ];
 
 /// The whole loop in nested folds.
-pub const NESTED: Verb = Verb {
-    word: "discover, nested",
-    figure: Figure::NestedAfter,
-    nominal: None,
-    constants: Some(Figure::NestedBefore),
-};
+pub const NESTED: Verb =
+    Verb::against("discover, nested", Figure::NestedAfter, None, Some(Figure::NestedBefore));
 
 /// One result beside its alternatives.
 pub struct Judged<'a> {
@@ -78,13 +78,8 @@ pub fn judged<'a>(verb: &Verb, record: &'a Record) -> Option<Judged<'a>> {
         let other = record.get(figure?);
         other.is_finite().then(|| value / other)
     };
-    let judged = Judged {
-        record,
-        verb: verb.word,
-        value,
-        nominal: over(verb.nominal),
-        constants: over(verb.constants),
-    };
+    let (nominal, constants) = (over(verb.nominal), over(verb.constants));
+    let judged = Judged { record, verb: verb.word, value, nominal, constants };
     (!value.is_nan() && (judged.nominal.is_some() || judged.constants.is_some())).then_some(judged)
 }
 
@@ -101,7 +96,7 @@ pub fn exceptions(records: &[Record]) -> Vec<Judged<'_>> {
 }
 
 /// The table of verbs, its list of exceptions, refusals, and what took long.
-pub fn harm(records: &[Record]) -> Result<String, Error> {
+pub fn harm(records: &[Record]) -> Outcome<String> {
     let mut text = format!(
         "{} robots; on the truth, at 100 configurations that nobody measured; harm: more than {BOUND} times the nominal robot \
          (after best base, tool and targets) or constants\n",
@@ -110,112 +105,65 @@ pub fn harm(records: &[Record]) -> Result<String, Error> {
     for (half, words) in [(false, "even numbers (to work with)"), (true, "odd numbers (locked)")] {
         let mine: Vec<&Record> = records.iter().filter(|r| locked(r.number) == half).collect();
         if !mine.is_empty() {
-            writeln!(text, "\n{words}: {} robots", mine.len())?;
-            verbs(&mut text, &mine)?;
+            write!(text, "\n{words}: {} robots\n{}× nominal, × const.: medians\n", mine.len(), verbs(&mine))?;
         }
     }
     writeln!(text, "\nexceptions: number (seed) robot; mm; times nominal, times constants")?;
-    for judged in exceptions(records) {
-        exception(&mut text, &judged)?;
-    }
+    exceptions(records).iter().try_for_each(|judged| exception(&mut text, judged))?;
     refusals(&mut text, records)?;
     slowest(&mut text, records, Figure::SecondsDiscover, "discover")?;
     Ok(text)
 }
 
-fn verbs(text: &mut String, records: &[&Record]) -> Result<(), Error> {
-    writeln!(
-        text,
-        "{:22} {:>7} {:>5} {:>10} {:>10} {:>9} {:>9} {:>8}",
-        "verb", "results", "harm", "× nominal", "× const.", "worst", "number", "mm"
-    )?;
+fn verbs(records: &[&Record]) -> String {
+    let mut table =
+        Table::columns("verb -22|results 7|harm 5|× nominal 10|× const. 10|worst 9|number 9|mm 8");
     for verb in &VERBS {
         let mine: Vec<Judged<'_>> = records.iter().filter_map(|r| judged(verb, r)).collect();
         let Some(worst) = mine.iter().max_by(|a, b| a.ratio().total_cmp(&b.ratio())) else { continue };
-        let ratio = |of: fn(&Judged<'_>) -> Option<f64>| median(mine.iter().filter_map(of).collect());
-        writeln!(
-            text,
-            "{:22} {:>7} {:>5} {:>10} {:>10} {:>9.3} {:>9} {:>8.3}",
-            verb.word,
-            mine.len(),
-            mine.iter().filter(|j| j.ratio() > BOUND).count(),
-            ratio(|j| j.nominal),
-            ratio(|j| j.constants),
-            worst.ratio(),
-            worst.record.number,
-            worst.value
-        )?;
+        let harmed = mine.iter().filter(|j| j.ratio() > BOUND).count();
+        let nominal = median(mine.iter().filter_map(|j| j.nominal));
+        let constants = median(mine.iter().filter_map(|j| j.constants));
+        let (ratio, value, number) = (fixed(worst.ratio(), 3), fixed(worst.value, 3), worst.record.number);
+        table.row(&[&verb.word, &mine.len(), &harmed, &nominal, &constants, &ratio, &number, &value]);
     }
-    writeln!(text, "× nominal, × const.: medians")
+    table.text()
 }
 
-fn exception(text: &mut String, judged: &Judged<'_>) -> Result<(), Error> {
+fn exception(text: &mut String, judged: &Judged<'_>) -> Outcome {
     let r = judged.record;
-    let times = |ratio: Option<f64>| ratio.map_or("–".into(), |ratio| format!("{ratio:.3}"));
-    writeln!(
-        text,
-        "  {:22} {:>4} ({}) {} {} {} {}, {} poses, {} rows; {:.4} mm, noise {:.3}; {}, {}{}{}",
-        judged.verb,
-        r.number,
-        r.seed,
-        r.make,
-        r.style,
-        r.hidden,
-        r.spoil,
-        r.poses,
-        r.rows,
-        judged.value,
-        r.noise_mm,
-        times(judged.nominal),
-        times(judged.constants),
-        if r.finds.is_empty() { "" } else { "; " },
-        r.finds
-    )
+    let times = |ratio: Option<f64>| ratio.map_or("–".into(), |ratio| fixed(ratio, 3));
+    let (nominal, constants) = (times(judged.nominal), times(judged.constants));
+    write!(text, "  {:22} {}, {} rows; {:.4} mm", judged.verb, r.words(), r.rows, judged.value)?;
+    let separator = if r.finds.is_empty() { "" } else { "; " };
+    writeln!(text, ", noise {:.3}; {nominal}, {constants}{separator}{}", r.noise_mm, r.finds)?;
+    Ok(())
 }
 
-fn refusals(text: &mut String, records: &[Record]) -> Result<(), Error> {
+fn refusals(text: &mut String, records: &[Record]) -> Outcome {
     let all: usize = records.iter().map(|r| r.refused.len()).sum();
     writeln!(text, "\nrefused: {all}")?;
     for r in records {
-        for why in &r.refused {
-            writeln!(
-                text,
-                "  {:>4} ({}) {} {} {} {}, {} poses: {why}",
-                r.number, r.seed, r.make, r.style, r.hidden, r.spoil, r.poses
-            )?;
-        }
+        r.refused.iter().try_for_each(|why| writeln!(text, "  {}: {why}", r.words()))?;
     }
     Ok(())
 }
 
 /// What took longest.
-fn slowest(text: &mut String, records: &[Record], figure: Figure, words: &str) -> Result<(), Error> {
+fn slowest(text: &mut String, records: &[Record], figure: Figure, words: &str) -> Outcome {
     let mut timed: Vec<&Record> = records.iter().filter(|r| r.get(figure).is_finite()).collect();
     timed.sort_by(|a, b| b.get(figure).total_cmp(&a.get(figure)));
     let all: f64 = timed.iter().map(|r| r.get(figure)).sum();
     writeln!(text, "\n{words}: {all:.0} s in all; slowest, wall (processors, where known)")?;
     for r in timed.iter().take(10) {
-        writeln!(
-            text,
-            "  {:>4} ({}) {} {} {} {}, {} poses, {} rows: {:.1} s ({:.1} s); {}",
-            r.number,
-            r.seed,
-            r.make,
-            r.style,
-            r.hidden,
-            r.spoil,
-            r.poses,
-            r.rows,
-            r.get(figure),
-            r.get(Figure::Processors),
-            r.finds
-        )?;
+        let (wall, processors) = (r.get(figure), r.get(Figure::Processors));
+        writeln!(text, "  {}, {} rows: {wall:.1} s ({processors:.1} s); {}", r.words(), r.rows, r.finds)?;
     }
     Ok(())
 }
 
 /// Nested folds: each robot in which the whole loop is worse than the declared model.
-pub fn nested(records: &[Record]) -> Result<String, Error> {
+pub fn nested(records: &[Record]) -> Outcome<String> {
     let mine: Vec<Judged<'_>> = records.iter().filter_map(|r| judged(&NESTED, r)).collect();
     let mut worse: Vec<&Judged<'_>> = mine.iter().filter(|j| j.ratio() > NESTED_BOUND).collect();
     worse.sort_by(|a, b| b.ratio().total_cmp(&a.ratio()));
@@ -223,18 +171,16 @@ pub fn nested(records: &[Record]) -> Result<String, Error> {
         "{} robots, five nested folds of discover against the declared model in the same folds\n\
          median {}; above {NESTED_BOUND}: {}\n",
         mine.len(),
-        median(mine.iter().filter_map(|j| j.constants).collect()),
+        median(mine.iter().filter_map(|j| j.constants)),
         worse.len()
     );
-    for judged in worse {
-        exception(&mut text, judged)?;
-    }
+    worse.into_iter().try_for_each(|judged| exception(&mut text, judged))?;
     refusals(&mut text, records)?;
     slowest(&mut text, records, Figure::SecondsNested, "nested")?;
     Ok(text)
 }
 
-fn median(mut values: Vec<f64>) -> String {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).map_or("–".into(), |value| format!("{value:.3}"))
+fn median(values: impl Iterator<Item = f64>) -> String {
+    let median = upper_median(values);
+    if median.is_nan() { "–".into() } else { fixed(median, 3) }
 }

@@ -10,9 +10,7 @@
 //! The first two are the robot's and belong to the truth; scatter and wander are not.
 //! Source of the elements: Al-Bender and Swevers, *Characterization of friction force dynamics* (2008), the Maxwell slip model.
 
-use super::draw::Draw;
-use truepose_errormodel::Dataset;
-use truepose_kinematics::{Chain, JointKind};
+use crate::prelude::*;
 
 const WAVES: usize = 5;
 /// Where the elements slip, of half a joint's range.
@@ -128,9 +126,8 @@ impl Unnamed {
 
 #[cfg(test)]
 mod tests {
-    use super::super::draw::Stream;
+    use super::super::robots::Stream;
     use super::*;
-    use truepose_kinematics::samples;
 
     #[test]
     fn nothing_is_nothing() {

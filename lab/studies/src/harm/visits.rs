@@ -1,10 +1,10 @@
 //! Configurations of a robot: a measurement campaign, and other configurations of the same region.
 
-use super::draw::Draw;
-use truepose_kinematics::Chain;
+use crate::prelude::*;
 
 /// How a campaign goes through the joint space.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+#[value(rename_all = "snake_case")]
 pub enum Style {
     /// Anywhere within the limits.
     Random,
@@ -26,17 +26,6 @@ pub struct Region {
     box_of: Vec<(f64, f64)>,
     limits: Vec<(f64, f64)>,
     levels: usize,
-}
-
-impl Style {
-    pub fn word(self) -> &'static str {
-        match self {
-            Style::Random => "random",
-            Style::Swept => "swept",
-            Style::Small => "small",
-            Style::Grid => "grid",
-        }
-    }
 }
 
 impl Region {
@@ -123,9 +112,8 @@ impl Region {
 
 #[cfg(test)]
 mod tests {
-    use super::super::draw::Stream;
+    use super::super::robots::Stream;
     use super::*;
-    use truepose_kinematics::samples;
 
     #[test]
     fn what_is_fresh_lies_where_was_measured() {

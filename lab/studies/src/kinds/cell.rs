@@ -1,129 +1,69 @@
 //! A light arm in a cell where everything stands that it can be measured with.
 
-use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
-use std::error::Error;
-use std::fmt::Write;
+use crate::prelude::*;
 use truepose_errormodel::observation::{Camera, Distance, Linear, Observation, Plane, Relative, Sphere};
-use truepose_errormodel::{Dataset, KnownDistance, Landmark, Surroundings};
-use truepose_kinematics::nalgebra::Vector3;
-use truepose_kinematics::{Chain, Placed, Pose, samples};
-use truepose_simulate::{Plant, PlantDescription};
+use truepose_errormodel::{KnownDistance, Landmark, Surroundings};
+use truepose_simulate::PlantDescription;
 
 /// What a campaign is made with.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Kind {
+    #[value(name = "same_point")]
     Sockets,
+    #[value(name = "distance")]
     Wires,
+    #[value(name = "plane")]
     Plates,
+    #[value(name = "sphere")]
     Balls,
+    #[value(name = "linear")]
     Gauges,
+    #[value(name = "relative")]
     Series,
+    #[value(name = "pixel, in the cell")]
     Cameras,
+    #[value(name = "pixel, on the robot")]
     Eye,
 }
 
-impl Kind {
-    pub const ALL: [Kind; 8] = [
-        Kind::Sockets,
-        Kind::Wires,
-        Kind::Plates,
-        Kind::Balls,
-        Kind::Gauges,
-        Kind::Series,
-        Kind::Cameras,
-        Kind::Eye,
-    ];
-
-    pub fn word(self) -> &'static str {
-        match self {
-            Kind::Sockets => "same_point",
-            Kind::Wires => "distance",
-            Kind::Plates => "plane",
-            Kind::Balls => "sphere",
-            Kind::Gauges => "linear",
-            Kind::Series => "relative",
-            Kind::Cameras => "pixel, in the cell",
-            Kind::Eye => "pixel, on the robot",
-        }
-    }
-}
-
 /// What is wrong with one of them.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Fault {
-    SocketMoved,
-    WireGain,
-    PlateBowed,
-    BallRadius,
-    GaugeGain,
-    SeriesMoved,
-    CameraLens,
-    EyeLens,
-    EyeMoved,
-    Misnamed,
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Fault {
+    pub kind: Kind,
+    /// The landmark that has it, and the word that the program has for it.
+    pub landmark: &'static str,
+    pub what: &'static str,
+    pub word: &'static str,
+    /// Lines of the landmark in the plant; `HALF` is the middle of the campaign, s.
+    lines: &'static str,
 }
+
+const fn fault(kind: Kind, [landmark, what, word]: [&'static str; 3], lines: &'static str) -> Fault {
+    Fault { kind, landmark, what, word, lines }
+}
+
+const MOVED: &str = "moved = { when_s = HALF, xyz_mm = [0.4, 0.3, 0] }\n";
+const MOVED_EYE: &str = "moved = { when_s = HALF, xyz_mm = [0.8, -0.6, 0] }\n";
 
 impl Fault {
+    pub const EYE_LENS: Fault =
+        fault(Kind::Eye, ["eye", "lens", "focal length on the robot 1 % off"], "fx = 909\nfy = 909\n");
+    pub const EYE_MOVED: Fault =
+        fault(Kind::Eye, ["eye", "moved", "the camera on the robot moved by 1 mm"], MOVED_EYE);
+    pub const MISNAMED: Fault = fault(Kind::Sockets, ["S3", "row", "one row names another socket"], "");
+
     pub const ALL: [Fault; 10] = [
-        Fault::SocketMoved,
-        Fault::WireGain,
-        Fault::PlateBowed,
-        Fault::BallRadius,
-        Fault::GaugeGain,
-        Fault::SeriesMoved,
-        Fault::CameraLens,
-        Fault::EyeLens,
-        Fault::EyeMoved,
-        Fault::Misnamed,
+        fault(Kind::Sockets, ["S3", "moved", "a socket moved by 0.5 mm"], MOVED),
+        fault(Kind::Wires, ["W2", "gain and offset", "a wire 0.2 % too long"], "gain = 1.002\n"),
+        fault(Kind::Plates, ["P1", "flatness", "a plate bowed by 0.4 mm"], "bow_mm = 0.4\n"),
+        fault(Kind::Balls, ["B2", "radius", "a ball 0.4 mm too large"], "radius_mm = 300.4\n"),
+        fault(Kind::Gauges, ["G1", "gain", "a gauge 0.2 % too steep"], "gain = 1.002\n"),
+        fault(Kind::Series, ["R1", "moved", "a series moved by 0.5 mm"], MOVED),
+        fault(Kind::Cameras, ["C1", "lens", "focal length of a camera 1 % off"], "fx = 1616\nfy = 1616\n"),
+        Fault::EYE_LENS,
+        Fault::EYE_MOVED,
+        Fault::MISNAMED,
     ];
-
-    pub fn word(self) -> &'static str {
-        match self {
-            Fault::SocketMoved => "a socket moved by 0.5 mm",
-            Fault::WireGain => "a wire 0.2 % too long",
-            Fault::PlateBowed => "a plate bowed by 0.4 mm",
-            Fault::BallRadius => "a ball 0.4 mm too large",
-            Fault::GaugeGain => "a gauge 0.2 % too steep",
-            Fault::SeriesMoved => "a series moved by 0.5 mm",
-            Fault::CameraLens => "focal length of a camera 1 % off",
-            Fault::EyeLens => "focal length on the robot 1 % off",
-            Fault::EyeMoved => "the camera on the robot moved by 1 mm",
-            Fault::Misnamed => "one row names another socket",
-        }
-    }
-
-    /// The kind that has it, the landmark, and the word that the program has for it.
-    pub fn place(self) -> (Kind, &'static str, &'static str) {
-        match self {
-            Fault::SocketMoved => (Kind::Sockets, "S3", "moved"),
-            Fault::WireGain => (Kind::Wires, "W2", "gain and offset"),
-            Fault::PlateBowed => (Kind::Plates, "P1", "flatness"),
-            Fault::BallRadius => (Kind::Balls, "B2", "radius"),
-            Fault::GaugeGain => (Kind::Gauges, "G1", "gain"),
-            Fault::SeriesMoved => (Kind::Series, "R1", "moved"),
-            Fault::CameraLens => (Kind::Cameras, "C1", "lens"),
-            Fault::EyeLens => (Kind::Eye, "eye", "lens"),
-            Fault::EyeMoved => (Kind::Eye, "eye", "moved"),
-            Fault::Misnamed => (Kind::Sockets, "S3", "row"),
-        }
-    }
-
-    /// Lines of the plant for a thing of this name.
-    fn lines(self, name: &str, half_s: f64) -> String {
-        let moved = |by: &str| format!("moved = {{ when_s = {half_s}, xyz_mm = [{by}] }}\n");
-        match self {
-            _ if self.place().1 != name => String::new(),
-            Fault::SocketMoved | Fault::SeriesMoved => moved("0.4, 0.3, 0"),
-            Fault::EyeMoved => moved("0.8, -0.6, 0"),
-            Fault::WireGain | Fault::GaugeGain => "gain = 1.002\n".into(),
-            Fault::PlateBowed => "bow_mm = 0.4\n".into(),
-            Fault::BallRadius => "radius_mm = 300.4\n".into(),
-            Fault::CameraLens => "fx = 1616\nfy = 1616\n".into(),
-            Fault::EyeLens => "fx = 909\nfy = 909\n".into(),
-            Fault::Misnamed => String::new(),
-        }
-    }
 }
 
 /// How wrong the arm is, and how well everything measures.
@@ -173,18 +113,18 @@ pub fn eye_place() -> Pose {
 const VISIT_S: f64 = 30.0;
 
 /// The arm: a UR10's lengths, a tool beside its flange.
-pub fn arm() -> Result<Chain, Box<dyn Error>> {
+pub fn arm() -> Outcome<Chain> {
     let joints = samples::ur10().joints().iter().map(|joint| joint.clone().with_limits(-2.8, 2.8)).collect();
-    let tool = Placed { pose: Pose::from_xyz_rpy([0.04, 0.03, 0.12], [0.0; 3]), known: true };
+    let tool = known(Pose::from_xyz_rpy([0.04, 0.03, 0.12], [0.0; 3]));
     Ok(Chain::new("light", joints)?.with_tool(tool)?)
 }
 
 /// A campaign of these kinds with this robot.
-pub fn made(kinds: &[Kind], fault: Option<Fault>, size: Size, seed: u64) -> Result<Made, Box<dyn Error>> {
+pub fn made(kinds: &[Kind], fault: Option<Fault>, size: Size, seed: u64) -> Outcome<Made> {
     let chain = arm()?;
     let mut things: Vec<Thing> = Vec::new();
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    for kind in Kind::ALL {
+    for &kind in Kind::all() {
         // All are drawn, so that a kind stands where it stands whatever there is beside it.
         let drawn = of_kind(kind, size, &mut rng);
         things.extend(drawn.into_iter().filter(|_| kinds.contains(&kind)));
@@ -201,7 +141,9 @@ pub fn made(kinds: &[Kind], fault: Option<Fault>, size: Size, seed: u64) -> Resu
     }
     for thing in &things {
         text += &thing.toml;
-        text += &fault.map_or(String::new(), |fault| fault.lines(&thing.name, half_s));
+        if let Some(fault) = fault.filter(|fault| fault.landmark == thing.name) {
+            text += &fault.lines.replace("HALF", &half_s.to_string());
+        }
     }
     let mut described = Surroundings {
         landmarks: things.iter().map(|thing| thing.known.clone()).collect(),
@@ -217,7 +159,7 @@ pub fn made(kinds: &[Kind], fault: Option<Fault>, size: Size, seed: u64) -> Resu
     let plant = description.plant_in(&chain, &described)?;
     let campaign = description.campaign_of(&plant, seed)?;
     let mut data = plant.observe(&campaign, seed)?.data;
-    if fault == Some(Fault::Misnamed) {
+    if fault == Some(Fault::MISNAMED) {
         // The first row of one socket names the next.
         let (from, to) = (number("S2"), number("S3"));
         let mut of_row: Vec<Option<usize>> = (0..data.len()).map(|row| data.landmark(row)).collect();
@@ -241,13 +183,15 @@ fn of_kind(kind: Kind, size: Size, rng: &mut ChaCha8Rng) -> Vec<Thing> {
     let noise = size.noise;
     let mut near = |at: [f64; 3]| at.map(|v| v + 40.0 * (rng.random::<f64>() - 0.5));
     let thing = |name: String, lines: String, known: Landmark| {
-        let table = if matches!(kind, Kind::Cameras | Kind::Eye) && !lines.contains("rows") {
-            "cameras"
-        } else {
-            "landmarks"
-        };
+        let camera = matches!(kind, Kind::Cameras | Kind::Eye) && !lines.contains("rows");
+        let table = if camera { "cameras" } else { "landmarks" };
         let toml = format!("[[{table}]]\nname = \"{name}\"\n{lines}");
         Thing { known: Landmark { name: name.clone(), ..known }, name, toml }
+    };
+    // One thing for each place of a list, under a letter and its number.
+    let each = |letter: &str, lines: Vec<(String, Landmark)>| -> Vec<Thing> {
+        let named = (1..).zip(lines);
+        named.map(|(k, (lines, known))| thing(format!("{letter}{k}"), lines, known)).collect()
     };
     match kind {
         Kind::Sockets => {
@@ -257,108 +201,88 @@ fn of_kind(kind: Kind, size: Size, rng: &mut ChaCha8Rng) -> Vec<Thing> {
                 [-400.0, 500.0, 500.0],
                 [100.0, -600.0, 250.0],
             ];
-            let pair = |(k, at): (usize, [f64; 3])| {
+            let pair = |at: [f64; 3]| {
                 let [x, y, z] = near(at);
                 // 100 mm apart.
-                [[x, y, z], [x + 60.0, y + 80.0, z]].into_iter().enumerate().map(move |(second, at)| {
-                    let name = format!("S{}", 2 * k + second + 1);
-                    (name, format!("rows = 15\nxyz_mm = {at:?}\nsd_um = {}\n", 20.0 * noise))
+                [[x, y, z], [x + 60.0, y + 80.0, z]].map(|at| {
+                    (format!("rows = 15\nxyz_mm = {at:?}\nsd_um = {}\n", 20.0 * noise), Landmark::default())
                 })
             };
-            let all: Vec<_> = places.into_iter().enumerate().flat_map(pair).collect();
-            all.into_iter().map(|(name, lines)| thing(name, lines, Landmark::default())).collect()
+            each("S", places.into_iter().flat_map(pair).collect())
         }
-        Kind::Wires => [[1500.0, 300.0, -300.0], [-900.0, 1200.0, 100.0], [200.0, -1500.0, 1300.0]]
-            .into_iter()
-            .enumerate()
-            .map(|(k, at)| {
+        Kind::Wires => {
+            let places = [[1500.0, 300.0, -300.0], [-900.0, 1200.0, 100.0], [200.0, -1500.0, 1300.0]];
+            let one = |at: [f64; 3]| {
                 let lines = format!("rows = 40\nxyz_mm = {:?}\nsd_um = {}\n", near(at), 40.0 * noise);
-                thing(format!("W{}", k + 1), lines, seen(Distance::default(), None))
-            })
-            .collect(),
-        Kind::Plates => [
-            ([550.0, 100.0, 50.0], [0.0, 0.0, 1.0]),
-            ([750.0, 0.0, 450.0], [-1.0, 0.0, 0.0]),
-            ([100.0, 700.0, 400.0], [0.0, -1.0, 0.0]),
-            ([500.0, -200.0, 600.0], [0.0, 0.0, -1.0]),
-        ]
-        .into_iter()
-        .enumerate()
-        .map(|(k, (at, normal))| {
-            // Known planes, of which two are parallel: three that meet in a corner do not say how long anything is.
-            let at = near(at);
-            let lines = format!("rows = 30\nsize_mm = [500, 500]\nsd_um = {}\n", 30.0 * noise);
-            let plane = Plane {
-                normal: Some(Vector3::from(normal)),
-                point: Some(Vector3::from(at) * 1e-3),
-                known: true,
+                (lines, seen(Distance::default(), None))
             };
-            thing(format!("P{}", k + 1), lines, seen(plane, Some((at, true))))
-        })
-        .collect(),
-        Kind::Balls => [[500.0, 200.0, 200.0], [-300.0, 550.0, 300.0], [100.0, -550.0, 500.0]]
-            .into_iter()
-            .enumerate()
-            .map(|(k, at)| {
+            each("W", places.map(one).into())
+        }
+        Kind::Plates => {
+            // Known planes, of which two are parallel: three that meet in a corner do not say how long anything is.
+            let places = [
+                ([550.0, 100.0, 50.0], [0.0, 0.0, 1.0]),
+                ([750.0, 0.0, 450.0], [-1.0, 0.0, 0.0]),
+                ([100.0, 700.0, 400.0], [0.0, -1.0, 0.0]),
+                ([500.0, -200.0, 600.0], [0.0, 0.0, -1.0]),
+            ];
+            let one = |(at, normal): ([f64; 3], [f64; 3])| {
+                let at = near(at);
+                let lines = format!("rows = 30\nsize_mm = [500, 500]\nsd_um = {}\n", 30.0 * noise);
+                let (normal, point) = (Some(Vector3::from(normal)), Some(Vector3::from(at) * 1e-3));
+                (lines, seen(Plane { normal, point, known: true }, Some((at, true))))
+            };
+            each("P", places.map(one).into())
+        }
+        Kind::Balls => {
+            let places = [[500.0, 200.0, 200.0], [-300.0, 550.0, 300.0], [100.0, -550.0, 500.0]];
+            let one = |at: [f64; 3]| {
+                let (at, sd) = (near(at), 20.0 * noise);
                 let lines = format!(
-                    "rows = 40\nxyz_mm = {:?}\nnormal = [0, 0, 1]\nwithin_deg = 120\nsd_um = {}\n",
-                    near(at),
-                    20.0 * noise
+                    "rows = 40\nxyz_mm = {at:?}\nnormal = [0, 0, 1]\nwithin_deg = 120\nsd_um = {sd}\n"
                 );
-                thing(format!("B{}", k + 1), lines, seen(Sphere::of_radius(0.3), None))
-            })
-            .collect(),
-        Kind::Gauges => [[0.6, 0.8, 0.0], [-0.8, 0.6, 0.0], [0.0, 0.28, 0.96]]
-            .into_iter()
-            .enumerate()
-            .map(|(k, normal)| {
+                (lines, seen(Sphere::of_radius(0.3), None))
+            };
+            each("B", places.map(one).into())
+        }
+        Kind::Gauges => {
+            let one = |normal: [f64; 3]| {
                 let lines = format!("rows = 40\nnormal = {normal:?}\nsd_um = {}\n", 40.0 * noise);
-                thing(format!("G{}", k + 1), lines, seen(Linear::default(), None))
-            })
-            .collect(),
-        Kind::Series => [[900.0, -200.0, 100.0], [-300.0, 800.0, 200.0]]
-            .into_iter()
-            .enumerate()
-            .map(|(k, at)| {
-                let lines = format!(
-                    "rows = 30\nxyz_mm = {:?}\nrpy_deg = [5, 10, {}]\nsd_um = {}\n",
-                    near(at),
-                    100 * k,
-                    60.0 * noise
-                );
-                thing(format!("R{}", k + 1), lines, seen(Relative::default(), None))
-            })
-            .collect(),
+                (lines, seen(Linear::default(), None))
+            };
+            each("G", [[0.6, 0.8, 0.0], [-0.8, 0.6, 0.0], [0.0, 0.28, 0.96]].map(one).into())
+        }
+        Kind::Series => {
+            let one = |(yaw, at): (usize, [f64; 3])| {
+                let (at, sd) = (near(at), 60.0 * noise);
+                let lines = format!("rows = 30\nxyz_mm = {at:?}\nrpy_deg = [5, 10, {yaw}]\nsd_um = {sd}\n");
+                (lines, seen(Relative::default(), None))
+            };
+            each("R", [(0, [900.0, -200.0, 100.0]), (100, [-300.0, 800.0, 200.0])].map(one).into())
+        }
         Kind::Cameras => {
-            [([3000.0, 100.0, 500.0], [-90.0, 0.0, 90.0]), ([0.0, -3000.0, 600.0], [-90.0, 0.0, 0.0])]
-                .into_iter()
-                .enumerate()
-                .map(|(k, (at, rpy))| {
-                    // Both stand at known places, a base line apart.
-                    let [r, p, y] = [rpy[0], rpy[1], rpy[2]].map(f64::to_radians);
-                    let place = Pose::from_xyz_rpy(at.map(|v| 1e-3 * v), [r, p, y]);
-                    let lens = lens([1600.0, 1600.0, 960.0, 600.0], Some(place));
-                    let lines = format!("images = 60\nsd_px = {}\n", 0.05 * noise);
-                    thing(format!("C{}", k + 1), lines, seen(lens, Some((at, true))))
-                })
-                .collect()
+            // Both are at known places, a base line apart.
+            let places =
+                [([3000.0, 100.0, 500.0], [-90.0, 0.0, 90.0f64]), ([0.0, -3000.0, 600.0], [-90.0, 0.0, 0.0])];
+            let one = |(at, rpy): ([f64; 3], [f64; 3])| {
+                let place = Pose::from_xyz_rpy(at.map(|v| 1e-3 * v), rpy.map(f64::to_radians));
+                let lens = lens([1600.0, 1600.0, 960.0, 600.0], Some(place));
+                (format!("images = 60\nsd_px = {}\n", 0.05 * noise), seen(lens, Some((at, true))))
+            };
+            each("C", places.map(one).into())
         }
         Kind::Eye => {
             let at = near([550.0, 150.0, 30.0]);
-            let mut all: Vec<Thing> = (0..12)
-                .map(|k: usize| {
-                    let at = [at[0] + 30.0 * (k % 4) as f64, at[1] + 30.0 * (k / 4) as f64, at[2]];
-                    let position = Some(Vector3::from(at) * 1e-3);
-                    let known = Landmark { position, known: true, ..Landmark::default() };
-                    thing(format!("c{k}"), "rows = 0\n".into(), known)
-                })
-                .collect();
+            let corner = |k: usize| {
+                let at = [at[0] + 30.0 * (k % 4) as f64, at[1] + 30.0 * (k / 4) as f64, at[2]];
+                let position = Some(Vector3::from(at) * 1e-3);
+                let known = Landmark { position, known: true, ..Landmark::default() };
+                thing(format!("c{k}"), "rows = 0\n".into(), known)
+            };
+            let mut all: Vec<Thing> = (0..12).map(corner).collect();
+            let (images, sd) = (size.images, 0.1 * noise);
             let lines = format!(
-                "images = {}\nxyz_mm = {:?}\nrpy_deg = {:?}\ndistance_mm = [250, 500]\nnormal = [0, 0, 1]\nsd_px = {}\n",
-                size.images,
-                EYE_MM,
-                EYE_DEG,
-                0.1 * noise
+                "images = {images}\nxyz_mm = {EYE_MM:?}\nrpy_deg = {EYE_DEG:?}\ndistance_mm = [250, 500]\nnormal = [0, 0, 1]\nsd_px = {sd}\n"
             );
             let known = seen(lens([900.0, 900.0, 640.0, 480.0], None), None);
             all.push(thing("eye".into(), lines, Landmark { mount: Some("tool".into()), ..known }));

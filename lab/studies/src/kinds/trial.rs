@@ -1,27 +1,19 @@
 //! One campaign: fitted, and held against the plant.
 
 use super::cell::{Fault, Kind, Made, Size, eye_place, made};
-use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
+use crate::prelude::*;
 use std::any::Any;
-use std::error::Error;
-use truepose_errormodel::effects::Geometric;
 use truepose_errormodel::observation::Camera;
-use truepose_errormodel::{AnyEffect, ErrorModel};
 use truepose_identify::reduction::Group;
-use truepose_identify::{
-    Fit, FitOptions, NoiseSource, Prior, PriorStrength, Suspect, Touched, fit, refit, suspects, touched,
-};
-use truepose_kinematics::nalgebra::{Matrix3, Vector3};
-use truepose_kinematics::{Conditions, Site, nearest_rotation, rotation_log};
-use truepose_solvers::PivotedQr;
+use truepose_identify::{Suspect, Touched, suspects, touched};
+use truepose_kinematics::{Site, nearest_rotation, rotation_log};
 
 /// A campaign and its fit.
 pub struct Trial {
     made: Made,
     found: Fit,
     pub(super) touched: Touched,
-    asked: (Vec<Kind>, Option<Fault>, Size, u64),
+    recipe: (Vec<Kind>, Option<Fault>, Size, u64),
 }
 
 /// Poses at which a fit is held against the plant.
@@ -33,38 +25,38 @@ const NARROW: f64 = 0.1;
 
 impl Trial {
     /// The campaign of these kinds.
-    pub fn of(kinds: &[Kind], fault: Option<Fault>, size: Size, seed: u64) -> Result<Self, Box<dyn Error>> {
+    pub fn of(kinds: &[Kind], fault: Option<Fault>, size: Size, seed: u64) -> Outcome<Self> {
         let made = made(kinds, fault, size, seed)?;
         let (solver, options) = (PivotedQr::default(), FitOptions::default());
-        let declared: Vec<Box<dyn AnyEffect>> = vec![Box::new(Geometric::default())];
+        let declared = constant_errors();
         let touched = touched(&made.chain, &declared, &made.data, &made.described, (&solver, &options))?;
         let model = ErrorModel::new(touched.chain.clone(), touched.effects.clone())?;
         let found = fit(&model, &touched.data, &solver, &touched.options(&options))?;
-        Ok(Trial { made, found, touched, asked: (kinds.to_vec(), fault, size, seed) })
+        Ok(Trial { made, found, touched, recipe: (kinds.to_vec(), fault, size, seed) })
     }
 
     /// The same without noise to speak of.
-    pub fn quiet(&self) -> Result<Trial, Box<dyn Error>> {
-        let (kinds, fault, size, seed) = &self.asked;
+    pub fn quiet(&self) -> Outcome<Trial> {
+        let (kinds, fault, size, seed) = &self.recipe;
         Trial::of(kinds, *fault, Size { noise: QUIET * size.noise, ..*size }, *seed)
     }
 
     /// RMS of the distance between the fitted and the real arm over its workspace, mm, each put onto the other as well as it can be.
-    pub fn accuracy(&self) -> Result<f64, Box<dyn Error>> {
+    pub fn accuracy(&self) -> Outcome<f64> {
         let robot = self.found.fitted.without_landmarks()?;
         let mut predictor = robot.bind(&Default::default())?;
-        let mut rng = ChaCha8Rng::seed_from_u64(self.asked.3 ^ 0x7071);
-        let (mut real, mut told) = (Vec::new(), Vec::new());
+        let mut rng = ChaCha8Rng::seed_from_u64(self.recipe.3 ^ 0x7071);
+        let (mut real, mut predicted) = (Vec::new(), Vec::new());
         for _ in 0..FRESH {
             let joints: Vec<f64> = (0..6).map(|_| rng.random_range(-2.0..2.0)).collect();
             let at = Conditions::at(&self.made.chain, &joints);
             real.push(self.made.plant.true_position(&at, None)?);
-            told.push(predictor.predict(&at, None).translation);
+            predicted.push(predictor.predict(&at, None).translation);
         }
         let count = FRESH as f64;
         let middle = |of: &[Vector3<f64>]| of.iter().sum::<Vector3<f64>>() / count;
-        let (a, b) = (middle(&real), middle(&told));
-        let pairs = || real.iter().zip(&told);
+        let (a, b) = (middle(&real), middle(&predicted));
+        let pairs = || real.iter().zip(&predicted);
         let cross: Matrix3<f64> = pairs().map(|(p, q)| (p - a) * (q - b).transpose()).sum();
         let turn = nearest_rotation(&cross).ok_or("the predicted points are no numbers")?;
         let squares: f64 = pairs().map(|(p, q)| (p - a - turn * (q - b)).norm_squared()).sum();
@@ -75,16 +67,13 @@ impl Trial {
     ///
     /// That is what a campaign without noise gives. Where that is no narrower either, two errors move the same numbers alike (a camera on the
     /// tool and the tool itself): then it is the group's sum of the plant's own errors. Groups that hold a sensor's or landmark's own unknown are left out there.
-    pub fn coverage(&self, quiet: &Trial) -> Result<(usize, usize), Box<dyn Error>> {
-        let model = quiet.found.fitted.model();
-        let options = FitOptions {
-            prior: PriorStrength::None,
-            noise: NoiseSource::Fixed(quiet.found.noise),
-            ..FitOptions::default()
-        };
-        let prior = Prior::new(model, &self.found.reduction, PriorStrength::None);
-        let data = &quiet.touched.data;
-        let truth = refit(model, data, &PivotedQr::default(), &options, &self.found.reduction, &prior)?;
+    pub fn coverage(&self, quiet: &Trial) -> Outcome<(usize, usize)> {
+        let truth = coefficients_of_plant(
+            quiet.found.fitted.model(),
+            &self.found,
+            &quiet.touched.data,
+            quiet.found.noise,
+        )?;
         let (own, half) = (self.found.fitted.coefficients(), self.found.half_widths());
         let narrow = quiet.found.half_widths();
         let of_arm = self.found.fitted.model().columns_of(0);
@@ -92,7 +81,7 @@ impl Trial {
         for group in self.found.reduction.groups.iter().filter(|group| of_arm.contains(&group.column)) {
             let column = group.column;
             let held = match narrow[column] <= NARROW * half[column] {
-                true => Some(truth.fitted.coefficients()[column]),
+                true => Some(truth[column]),
                 false => self.summed(group),
             };
             let Some(held) = held else { continue };
@@ -115,12 +104,12 @@ impl Trial {
     }
 
     /// What the program suspects of landmarks and sensors, unasked.
-    pub fn suspects(&self) -> Result<Vec<Suspect>, Box<dyn Error>> {
+    pub fn suspects(&self) -> Outcome<Vec<Suspect>> {
         Ok(suspects(&self.found, &self.touched.data, &self.touched)?)
     }
 
     /// Of the six 95 % intervals of the place of the camera on the robot, how many hold where it is.
-    pub fn eye_within(&self) -> Result<usize, Box<dyn Error>> {
+    pub fn eye_within(&self) -> Outcome<usize> {
         let missing = "no camera on the robot was found";
         let number = self.touched.sensors.iter().position(|found| found.name == "eye").ok_or(missing)?;
         let camera = (&*self.touched.sensors[number].observation as &dyn Any).downcast_ref::<Camera>();

@@ -1,16 +1,15 @@
 //! One plant: its measurements, and what a model identified from them leaves.
+//!
+//! What is declared for the paper's robot: constant errors, the paper's polynomial, and physics.
 
-use super::models::Strategy;
-use nalgebra::Vector3;
-use rand::SeedableRng;
+use crate::prelude::*;
 use rand::seq::SliceRandom;
-use rand_chacha::ChaCha8Rng;
-use std::error::Error;
-use truepose_compensate::{Compensator, CompensatorOptions, Status, Target};
-use truepose_errormodel::{Dataset, ErrorModel, FittedModel, Predictor, Visits};
-use truepose_identify::{Fit, FitOptions, fit};
-use truepose_kinematics::{Chain, Conditions, TargetId, nalgebra};
-use truepose_simulate::{Campaign, Plant, robots};
+use serde_json::json;
+use truepose_errormodel::effects::{
+    BaseCompliance, Basis, Expansion, Factor, Guideway, Input, LinkCompliance, Place,
+};
+use truepose_errormodel::{ModelError, Predictor};
+use truepose_simulate::robots;
 
 /// A plant and everything that the paper measured on it.
 pub struct Experiment {
@@ -23,10 +22,6 @@ pub struct Experiment {
     pub configurations: usize,
     /// Largest deviation from a straight line of the treatment point's displacement against the payload at home, m.
     pub linearity: f64,
-    /// (payload in lb, displacement in m) of that test.
-    pub loads: Vec<(f64, f64)>,
-    /// Measured treatment points of 270 returns to home, m.
-    pub returns: Vec<Vector3<f64>>,
 }
 
 /// One check configuration.
@@ -44,18 +39,16 @@ pub struct Radii {
     pub noise_free: f64,
     /// Largest distance of the true treatment point from where it is wanted, when the plant gets the compensated commands.
     pub executed: f64,
-    /// Check configurations whose command is `ok`.
-    pub reached: usize,
+    /// Check configurations whose command is not `ok`.
+    pub missed: usize,
     pub columns: usize,
     pub rank: usize,
     pub rounds: usize,
-    /// Measured less predicted treatment points, m.
-    pub errors: Vec<Vector3<f64>>,
 }
 
 impl Experiment {
     /// Measures a plant of this seed.
-    pub fn new(seed: u64) -> Result<Self, Box<dyn Error>> {
+    pub fn new(seed: u64) -> Outcome<Self> {
         let plant = robots::pps_plant(seed)?;
         let chain = plant.chain().clone();
         let a = plant.measure(&Campaign::paper_set_a(&chain)?, seed)?;
@@ -66,32 +59,16 @@ impl Experiment {
         let (used, checked) = order.split_at(visits.len() / 2);
         let rows: Vec<usize> = used.iter().flat_map(|&v| visits.rows[v].iter().copied()).collect();
         let identification = joined(&b, &a.select(&rows));
-        let check = checked
-            .iter()
-            .map(|&v| check(&plant, &chain, &a, &visits.rows[v]))
-            .collect::<Result<_, Box<dyn Error>>>()?;
+        let check =
+            checked.iter().map(|&v| check(&plant, &chain, &a, &visits.rows[v])).collect::<Outcome<_>>()?;
         let configurations = Visits::of(&identification).len();
         let loads = load_test(&plant, &chain, seed)?;
-        let returns = points(&chain, &plant.measure(&Campaign::paper_returns(seed), seed + 3)?)?;
-        Ok(Experiment {
-            identification,
-            check,
-            configurations,
-            linearity: off_the_line(&loads),
-            loads,
-            returns,
-            plant,
-        })
+        Ok(Experiment { identification, check, configurations, linearity: off_the_line(&loads), plant })
     }
 
     /// Largest distance between the measured and the nominal treatment point, m.
     pub fn before(&self) -> f64 {
         self.check.iter().map(|c| (c.measured - c.nominal).norm()).fold(0.0, f64::max)
-    }
-
-    /// Errors before, for the figure.
-    pub fn errors_before(&self) -> Vec<Vector3<f64>> {
-        self.check.iter().map(|c| c.measured - c.nominal).collect()
     }
 
     /// Largest distance between the measured and the true treatment point, m.
@@ -100,7 +77,7 @@ impl Experiment {
     }
 
     /// Identifies from the measurements.
-    pub fn fit(&self, strategy: &Strategy) -> Result<Fit, Box<dyn Error>> {
+    pub fn fit(&self, strategy: &Strategy) -> Outcome<Fit> {
         let chain = self.plant.chain();
         let model = ErrorModel::new(chain.clone(), (strategy.effects)(chain)?)?;
         let Strategy { prior, refine, second_reduction, rounds: max_iterations, .. } = *strategy;
@@ -109,7 +86,7 @@ impl Experiment {
     }
 
     /// Identifies, and judges at the check configurations.
-    pub fn identify(&self, strategy: &Strategy) -> Result<Radii, Box<dyn Error>> {
+    pub fn identify(&self, strategy: &Strategy) -> Outcome<Radii> {
         let fit = self.fit(strategy)?;
         let mut predictor = fit.fitted.bind(&self.identification.schema)?;
         let (executed, reached) = self.execute(&fit.fitted)?;
@@ -118,15 +95,13 @@ impl Experiment {
             noise_only: self.noise_only(),
             noise_free: 0.0,
             executed,
-            reached,
+            missed: self.check.len() - reached,
             columns: fit.fitted.coefficients().len(),
             rank: fit.reduction.rank(),
             rounds: fit.rounds,
-            errors: Vec::new(),
         };
         for check in &self.check {
             let predicted = predicted(&mut predictor, self.plant.chain(), &check.conditions)?;
-            radii.errors.push(check.measured - predicted);
             radii.measured = radii.measured.max((check.measured - predicted).norm());
             radii.noise_free = radii.noise_free.max((check.truth - predicted).norm());
         }
@@ -135,7 +110,7 @@ impl Experiment {
 
     /// Sends the plant to where the nominal robot has the couch at each check configuration: the largest distance of the true
     /// treatment point from where it is wanted, m, and at how many of them the command was `ok`.
-    fn execute(&self, fitted: &FittedModel) -> Result<(f64, usize), Box<dyn Error>> {
+    fn execute(&self, fitted: &FittedModel) -> Outcome<(f64, usize)> {
         // The treatment point is no target: the tool is sent so that it comes right, and moves with the tool.
         const ROUNDS: usize = 3;
         let chain = self.plant.chain();
@@ -145,7 +120,7 @@ impl Experiment {
         let (mut largest, mut reached) = (0.0_f64, 0);
         for check in &self.check {
             let tool = chain.forward(&check.conditions.joints);
-            let mut goal = Target::at(tool.translation).turned(tool.rotation);
+            let mut goal = Goal::at(tool.translation).turned(tool.rotation);
             let mut commanded = check.conditions.clone();
             let mut ok = true;
             for _ in 0..ROUNDS {
@@ -164,11 +139,7 @@ impl Experiment {
 }
 
 /// Where a model has the treatment point, m.
-fn predicted(
-    predictor: &mut Predictor<'_>,
-    chain: &Chain,
-    conditions: &Conditions,
-) -> Result<Vector3<f64>, Box<dyn Error>> {
+fn predicted(predictor: &mut Predictor<'_>, chain: &Chain, conditions: &Conditions) -> Outcome<Vector3<f64>> {
     let seen: Vec<Vector3<f64>> = (0..chain.targets().len())
         .map(|t| predictor.predict(conditions, Some(TargetId(t))).translation)
         .collect();
@@ -176,14 +147,14 @@ fn predicted(
 }
 
 /// Where the plant has it, without any noise, m.
-fn true_point(plant: &Plant, chain: &Chain, conditions: &Conditions) -> Result<Vector3<f64>, Box<dyn Error>> {
+fn true_point(plant: &Plant, chain: &Chain, conditions: &Conditions) -> Outcome<Vector3<f64>> {
     let seen = (0..chain.targets().len())
         .map(|t| plant.true_position(conditions, Some(TargetId(t))))
         .collect::<Result<Vec<_>, _>>()?;
     Ok(robots::treatment_point(chain, &seen)?)
 }
 
-fn check(plant: &Plant, chain: &Chain, data: &Dataset, rows: &[usize]) -> Result<Check, Box<dyn Error>> {
+fn check(plant: &Plant, chain: &Chain, data: &Dataset, rows: &[usize]) -> Outcome<Check> {
     let conditions = data.conditions(rows[0]);
     let seen: Vec<Vector3<f64>> = rows.iter().map(|&row| data.measured_position(row)).collect();
     let tool = chain.forward(&conditions.joints);
@@ -197,7 +168,7 @@ fn check(plant: &Plant, chain: &Chain, data: &Dataset, rows: &[usize]) -> Result
 }
 
 /// Measured treatment points of each visit.
-fn points(chain: &Chain, data: &Dataset) -> Result<Vec<Vector3<f64>>, Box<dyn Error>> {
+fn points(chain: &Chain, data: &Dataset) -> Outcome<Vec<Vector3<f64>>> {
     Visits::of(data)
         .rows
         .iter()
@@ -209,7 +180,7 @@ fn points(chain: &Chain, data: &Dataset) -> Result<Vec<Vector3<f64>>, Box<dyn Er
 }
 
 /// Displacement of the treatment point from the empty one, by payload.
-fn load_test(plant: &Plant, chain: &Chain, seed: u64) -> Result<Vec<(f64, f64)>, Box<dyn Error>> {
+fn load_test(plant: &Plant, chain: &Chain, seed: u64) -> Outcome<Vec<(f64, f64)>> {
     let measured = points(chain, &plant.measure(&Campaign::paper_linearity(), seed + 2)?)?;
     Ok(measured.iter().enumerate().map(|(k, p)| (25.0 * k as f64, (p - measured[0]).norm())).collect())
 }
@@ -228,14 +199,12 @@ fn joined(first: &Dataset, second: &Dataset) -> Dataset {
     let mut all = first.clone();
     let offset = Visits::of(first).len();
     all.visit.extend(second.visit.iter().map(|v| v + offset));
-    for (column, more) in all.joints.iter_mut().zip(&second.joints) {
-        column.extend(more);
-    }
-    for (column, more) in all.approach.iter_mut().zip(&second.approach) {
-        column.extend(more);
-    }
-    for (column, more) in all.channels.iter_mut().zip(&second.channels) {
-        column.extend(more);
+    for (columns, more) in [
+        (&mut all.joints, &second.joints),
+        (&mut all.approach, &second.approach),
+        (&mut all.channels, &second.channels),
+    ] {
+        columns.iter_mut().zip(more).for_each(|(column, more)| column.extend(more));
     }
     all.position.extend(&second.position);
     all.orientation.extend(&second.orientation);
@@ -246,4 +215,124 @@ fn joined(first: &Dataset, second: &Dataset) -> Dataset {
     all.time.extend(&second.time);
     all.line.clear();
     all
+}
+
+/// Effects, unless one of them does not fit the robot.
+type Declared = Result<Vec<Box<dyn AnyEffect>>, ModelError>;
+
+/// A declared model, and how it is fitted.
+pub struct Strategy {
+    /// For the table.
+    pub name: String,
+    /// The declared effects.
+    pub effects: fn(&Chain) -> Declared,
+    /// Scale of the prior standard deviations.
+    pub prior: PriorStrength,
+    /// The solver.
+    pub solver: SolverSpec,
+    /// Rounds at the exact robot, or the paper's single linear step.
+    pub refine: bool,
+    /// Whether identifiability is determined again at the exact robot.
+    pub second_reduction: bool,
+    /// Rounds at most.
+    pub rounds: usize,
+}
+
+/// All of them.
+pub fn strategies() -> Vec<Strategy> {
+    let strategy = |name: &str, effects, prior, solver: &str| Strategy {
+        name: name.into(),
+        effects,
+        prior,
+        solver: solver.parse().unwrap_or_default(),
+        refine: true,
+        second_reduction: true,
+        // Polynomials without a prior lie in flat valleys: what more rounds than these gain is not worth its time.
+        rounds: 25,
+    };
+    use PriorStrength::{Evidence, None};
+    let once =
+        |name: &str, effects| Strategy { second_reduction: false, ..strategy(name, effects, Evidence, "qr") };
+    let linear = |name: &str, effects| Strategy { refine: false, ..strategy(name, effects, None, "qr") };
+    vec![
+        strategy("constant errors, qr", constant, None, "qr"),
+        linear("constant errors, one linear step", constant),
+        strategy("physics (compliances, beam, rails), evidence", physics, Evidence, "qr"),
+        once("the same, reduced at the nominal robot", physics),
+        once("turning springs, beam, short rails, the same way", lean),
+        Strategy { rounds: 3, ..once("the same in three rounds", lean) },
+        Strategy { rounds: 2, ..once("the same in two rounds", lean) },
+        strategy("physics (compliances, beam, rails), no prior", physics, None, "qr"),
+        strategy("frame compliances, evidence prior, qr", elastic, Evidence, "qr"),
+        strategy("Eq. (17) polynomial, evidence prior, qr", polynomial, Evidence, "qr"),
+        strategy("Eq. (17) polynomial, qr", polynomial, None, "qr"),
+        linear("Eq. (17) polynomial, one linear step", polynomial),
+        linear("the same, reduced first (the paper's order)", reduced_first),
+        strategy("Eq. (17) polynomial, svd", polynomial, None, "svd"),
+        strategy("Eq. (17) polynomial, normal equations", polynomial, None, "normal"),
+        strategy("Eq. (17) polynomial, ridge(map)", polynomial, None, "ridge(map)"),
+    ]
+}
+
+fn constant(_: &Chain) -> Declared {
+    Ok(vec![Box::new(Geometric::default())])
+}
+
+/// The paper's declared model: degree 3 in each slide and in theta, 1 in the small turns, one wrench component.
+pub fn polynomial(chain: &Chain) -> Declared {
+    in_order(chain, "expand_first")
+}
+
+/// The same in the paper's order.
+pub fn reduced_first(chain: &Chain) -> Declared {
+    in_order(chain, "reduce_first")
+}
+
+fn in_order(chain: &Chain, order: &str) -> Declared {
+    let registry = EffectRegistry::builtin();
+    let polynomial = json!({"degree": 3, "small": [5, 6], "wrench": ["fy"], "order": order});
+    Ok(vec![
+        registry.build("geometric", json!({"frames": [0, 7, "targets"]}), chain)?,
+        registry.build("polynomial", polynomial, chain)?,
+    ])
+}
+
+/// Every frame has a compliance for each component of its wrench: six per frame.
+fn elastic(chain: &Chain) -> Declared {
+    springs(chain, &Axis::ALL)
+}
+
+/// Every frame has compliances along and about these axes; the couch is a beam, the base is compliant.
+fn springs(chain: &Chain, axes: &[Axis]) -> Declared {
+    let mut effects = constant(chain)?;
+    for frame in (0..=chain.joints().len()).map(FrameId) {
+        for &axis in axes {
+            let of = Input::Wrench { frame, component: axis.index() };
+            effects.push(Box::new(Expansion {
+                at: Place::Frame { frame, components: vec![axis] },
+                factors: vec![Factor { of, basis: Basis::Powers(vec![1]) }],
+            }));
+        }
+    }
+    effects.push(Box::new(LinkCompliance::of(JointId(6))));
+    effects.push(Box::new(BaseCompliance::default()));
+    Ok(effects)
+}
+
+/// The same, with errors of the linear guideways.
+fn physics(chain: &Chain) -> Declared {
+    Ok(on_rails(elastic(chain)?, 6))
+}
+
+/// Rotational compliance of frames, and guideways with three spline pieces at most.
+fn lean(chain: &Chain) -> Declared {
+    Ok(on_rails(springs(chain, &Axis::ROTATIONS)?, 3))
+}
+
+/// With guideways as splines of this number of pieces.
+fn on_rails(mut effects: Vec<Box<dyn AnyEffect>>, pieces: usize) -> Vec<Box<dyn AnyEffect>> {
+    for slide in 1..=3 {
+        effects.push(Box::new(Guideway { pieces, ..Guideway::of(JointId(slide)) }));
+    }
+    effects
 }

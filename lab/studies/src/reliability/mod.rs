@@ -7,13 +7,12 @@
 //! | precision | none: ten ill-conditioned problems | solutions, covariances, ranks and relations, in sixty digits |
 //! | power | the same with a hidden effect, at 4 and 8 times the detectable size | sizes and nonlinear parameters of `discover` |
 //!
-//! `study reliability [--short] [--robots N] [--nulls N] [--finds N] [--folder NAME]` runs what is not yet in its tables, one line a robot,
-//! and writes the generated part of `docs/reliability.md` (not with `--short`); `study reliability --one SEED` shows one robot.
 //! With `--half tuning` or `--half locked` it is the study of unseen robots (module `unseen`).
+
+use crate::prelude::*;
 
 mod plants;
 mod precision;
-mod record;
 mod table;
 mod trial;
 
@@ -21,32 +20,21 @@ use crate::discovery::hidden_effects::HiddenEffect;
 use crate::discovery::record::Record as Discovered;
 use crate::discovery::trial::Task;
 use crate::discovery::work;
-use crate::document;
-use crate::journal::{Journal, line};
-use crate::results::{Kept, finish};
-use crate::{asked, print};
-use clap::Parser;
-use record::Record;
-use std::error::Error;
+use crate::results::publish;
+use trial::Record;
 
 /// Causes with a number that is the model's.
-const FOUND: [HiddenEffect; 8] = [
-    HiddenEffect::Mesh,
-    HiddenEffect::Shift,
-    HiddenEffect::ThermalLate,
-    HiddenEffect::Thermal,
-    HiddenEffect::BacklashApproach,
-    HiddenEffect::JointCompliance,
-    HiddenEffect::Coupling,
-    HiddenEffect::Payload,
-];
+const FOUND: [HiddenEffect; 8] = {
+    use HiddenEffect::*;
+    [Mesh, Shift, ThermalLate, Thermal, BacklashApproach, JointCompliance, Coupling, Payload]
+};
 
 /// Multiples of the detectable size at which finds are judged: selection biases smaller ones.
 const CLEAR: [f64; 2] = [4.0, 8.0];
 
 /// How many robots of each part.
 #[derive(Parser)]
-struct Asked {
+struct Options {
     /// 20 robots, 6 nulls; seconds.
     #[arg(long)]
     short: bool,
@@ -64,28 +52,25 @@ struct Asked {
 }
 
 /// Runs the study.
-pub fn run(arguments: &[String]) -> Result<(), Box<dyn Error>> {
-    let asked: Asked = asked(arguments)?;
-    if let Some(seed) = asked.one {
-        print(line(&trial::run(seed)).trim_end());
+pub fn run(arguments: &[String]) -> Outcome {
+    let options: Options = parsed(arguments)?;
+    if let Some(seed) = options.one {
+        print_line(&trial::run(seed));
         return Ok(());
     }
-    let (folder, commit) = asked.kept.open("reliability")?;
+    let (folder, commit) = options.kept.open("reliability")?;
     let mut robots: Journal<Record> = Journal::open(&folder, "robots", &commit)?;
-    for seed in 0..asked.robots {
-        if !robots.records.iter().any(|known| known.seed == seed) {
-            let record = trial::run(seed);
-            if !record.ended() || (seed + 1).is_multiple_of(50) {
-                print(&format!("robot {seed}: {} ({:.1} s)", record.story, record.seconds));
-            }
-            robots.add(record)?;
-        }
-    }
+    let words = |seed: &u64, record: &Record| {
+        let shown = !record.ended() || (seed + 1).is_multiple_of(50);
+        shown.then(|| format!("robot {seed}: {} ({:.1} s)", record.story, record.seconds))
+    };
+    let run = |seed: &u64| Ok(trial::run(*seed));
+    robots.complete(0..options.robots, |known, seed| known.seed == *seed, run, words)?;
     let mut nulls: Journal<Discovered> = Journal::open(&folder, "nulls", &commit)?;
     let null = |seed| Task { cause: None, multiple: 0.0, seed, without: false };
-    work(&mut nulls, (0..asked.nulls).map(null))?;
+    work(&mut nulls, (0..options.nulls).map(null))?;
     let mut finds: Journal<Discovered> = Journal::open(&folder, "power", &commit)?;
-    let tasks = (0..asked.finds).flat_map(|seed| {
+    let tasks = (0..options.finds).flat_map(|seed| {
         let cells = CLEAR.into_iter().flat_map(|m| FOUND.into_iter().map(move |cause| (m, cause)));
         cells.map(move |(multiple, cause)| Task { cause: Some(cause), multiple, seed, without: false })
     });
@@ -96,19 +81,19 @@ pub fn run(arguments: &[String]) -> Result<(), Box<dyn Error>> {
         format!(
             "Commit {commit}, `cargo xtask study reliability --robots {} --nulls {} --finds {}`, seeds from 0; {failed} robots ended in an \
              error.\n",
-            asked.robots, asked.nulls, asked.finds
+            options.robots, options.nulls, options.finds
         ),
-        table::declared(&robots.records)?,
-        table::found(&finds.records)?,
-        table::nulls(&robots.records, &nulls.records)?,
+        table::declared(&robots.records),
+        table::found(&finds.records),
+        table::nulls(&robots.records, &nulls.records),
         "Ten ill-conditioned problems against sixty digits (`lab/studies/src/reliability/reference/make.py`); errors are relative, in columns of \
          unit length:\n"
             .to_owned(),
-        precision::table(&precision::all()?)?,
+        precision::table(&precision::all()?),
     ]
     .join("\n");
-    if !asked.short {
-        document::write("reliability", &text)?;
+    if !options.short {
+        publish("reliability", &text)?;
     }
     finish("reliability", &folder.join("table.md"), &text)
 }

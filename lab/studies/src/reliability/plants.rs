@@ -12,24 +12,16 @@
 //! | flank | backlash by the direction of the load | `backlash`, the load on the flank |
 
 use crate::discovery::robots::{self, Robot, Undeclared};
+use crate::prelude::*;
 use rand::seq::IndexedRandom;
-use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
-use std::error::Error;
 use std::f64::consts::TAU;
 use truepose_errormodel::effects::{
     Backlash, Coupling, Drift, Grows, Shift, Side, Spot, Thermal, Transmission,
 };
-use truepose_errormodel::{AnyEffect, Dataset, ErrorModel};
-use truepose_kinematics::{Chain, Conditions, JointId, JointKind, TargetId};
-use truepose_simulate::description::PlantOptions;
-use truepose_simulate::physics::changes::{Amount, Change, Mover};
 use truepose_simulate::physics::curve::SmoothCurve;
-use truepose_simulate::physics::transmission::TransmissionError;
-use truepose_simulate::{Campaign, Plant, flaws};
 
 /// Effects of a robot besides constant errors and joint compliance.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Extra {
     None,
     Gap,
@@ -45,33 +37,12 @@ pub enum Extra {
 const LARGEST: f64 = 2e-3;
 
 /// In turn; a third has nothing more.
-const TURN: [Extra; 10] = [
-    Extra::None,
-    Extra::Gap,
-    Extra::Ratio,
-    Extra::None,
-    Extra::Period,
-    Extra::Instant,
-    Extra::None,
-    Extra::Lag,
-    Extra::Settling,
-    Extra::Flank,
-];
+const TURN: [Extra; 10] = {
+    use Extra::*;
+    [None, Gap, Ratio, None, Period, Instant, None, Lag, Settling, Flank]
+};
 
 impl Extra {
-    pub fn word(self) -> &'static str {
-        match self {
-            Extra::None => "none",
-            Extra::Gap => "gap",
-            Extra::Ratio => "ratio",
-            Extra::Period => "period",
-            Extra::Instant => "instant",
-            Extra::Lag => "lag",
-            Extra::Settling => "settling",
-            Extra::Flank => "flank",
-        }
-    }
-
     /// Whether it leaves constant errors as they are: a mesh has a mean, a ratio a middle.
     fn keeps_constants(self) -> bool {
         !matches!(self, Extra::Period | Extra::Ratio)
@@ -80,7 +51,7 @@ impl Extra {
 
 /// A robot, measured.
 pub struct Made {
-    pub robot: &'static str,
+    pub robot: String,
     pub extra: Extra,
     pub plant: Plant,
     pub model: ErrorModel,
@@ -101,11 +72,12 @@ struct Declared {
 }
 
 /// Draws the robot of this seed.
-pub fn make(kinds: &'static [Robot], seed: u64) -> Result<Made, Box<dyn Error>> {
+pub fn make(seed: u64) -> Outcome<Made> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let extra = TURN[(seed % 10) as usize];
+    let kinds = robots::all()?;
     let kind = &kinds[(seed / 10) as usize % kinds.len()];
-    let chain = (kind.chain)()?;
+    let chain = kind.chain()?;
     let visits = *[60, 90, 120].choose(&mut rng).unwrap_or(&90);
     let campaign = kind.campaign(&chain, visits, seed)?;
     let campaign = match rng.random_range(0..3) {
@@ -134,8 +106,9 @@ pub fn make(kinds: &'static [Robot], seed: u64) -> Result<Made, Box<dyn Error>> 
     // A joint that no load turns over lies on one flank for ever.
     let extra = if extra == Extra::Flank && joint.1 < 1.0 { Extra::Gap } else { extra };
     let reach = lever(&chain, &campaign, joint.0)?;
-    let mut draw = Draw { chain: &chain, options: &mut options, rng: &mut rng, size, reach, duration, joint };
-    let (declared, change) = draw.extra(extra)?;
+    let errors = &mut options.errors;
+    let drawing = Drawing { chain: &chain, errors, rng: &mut rng, size, reach, duration, joint };
+    let (declared, change) = drawing.extra(extra)?;
     let mut plant = Plant::random(&chain, &options, seed)?;
     let mut truth = plant.truth().clone();
     truth.changes.extend(change);
@@ -157,7 +130,7 @@ pub fn make(kinds: &'static [Robot], seed: u64) -> Result<Made, Box<dyn Error>> 
     }
     let data = plant.measure(&campaign, seed + 17)?;
     Ok(Made {
-        robot: kind.name,
+        robot: kind.name.clone(),
         extra,
         plant,
         model,
@@ -171,19 +144,13 @@ pub fn make(kinds: &'static [Robot], seed: u64) -> Result<Made, Box<dyn Error>> 
 
 impl Made {
     /// Other configurations over the same day, as many as requested and no fewer than were measured.
-    pub fn fresh(&self, visits: usize, seed: u64) -> Result<Campaign, Box<dyn Error>> {
+    pub fn fresh(&self, visits: usize, seed: u64) -> Outcome<Campaign> {
         let visits = visits.max(self.campaign.visits.len());
         let mut campaign = self.kind.campaign(self.model.chain(), visits, seed)?;
         campaign.visits.truncate(visits);
         campaign.visit_s = self.campaign.duration_s() / visits as f64;
         Ok(campaign)
     }
-}
-
-/// All kinds, for as long as the program runs.
-pub fn kinds() -> &'static [Robot] {
-    static KINDS: std::sync::OnceLock<Vec<Robot>> = std::sync::OnceLock::new();
-    KINDS.get_or_init(robots::all)
 }
 
 /// The true constant errors, in the order of the columns of `geometric`.
@@ -195,7 +162,7 @@ fn constants(plant: &Plant, kept: bool) -> Vec<f64> {
 }
 
 /// How far the first target moves a radian (or metre) of this joint, on the average.
-fn lever(chain: &Chain, campaign: &Campaign, joint: JointId) -> Result<f64, Box<dyn Error>> {
+fn lever(chain: &Chain, campaign: &Campaign, joint: JointId) -> Outcome<f64> {
     const STEP: f64 = 1e-5;
     let plant = Plant::perfect(chain)?;
     let k = chain.coordinate(joint).ok_or("a joint that does not move")?;
@@ -212,7 +179,7 @@ fn lever(chain: &Chain, campaign: &Campaign, joint: JointId) -> Result<f64, Box<
 }
 
 /// The joint whose load swings most, and how far.
-fn loaded(chain: &Chain, campaign: &Campaign) -> Result<(JointId, f64), Box<dyn Error>> {
+fn loaded(chain: &Chain, campaign: &Campaign) -> Outcome<(JointId, f64)> {
     let plant = Plant::perfect(chain)?;
     let mut range = vec![(f64::INFINITY, f64::NEG_INFINITY); chain.movable().len()];
     for visit in &campaign.visits {
@@ -228,9 +195,9 @@ fn loaded(chain: &Chain, campaign: &Campaign) -> Result<(JointId, f64), Box<dyn 
     Ok((chain.movable()[k], swing(widest)))
 }
 
-struct Draw<'a> {
+struct Drawing<'a> {
     chain: &'a Chain,
-    options: &'a mut PlantOptions,
+    errors: &'a mut Flaws,
     rng: &'a mut ChaCha8Rng,
     /// m, and of a turn at this reach, m.
     size: f64,
@@ -240,124 +207,88 @@ struct Draw<'a> {
     joint: (JointId, f64),
 }
 
-impl Draw<'_> {
+impl Drawing<'_> {
     /// Adds the extra effect to the plant and declares it; effects without a flaw are added to the plant afterwards.
-    fn extra(&mut self, extra: Extra) -> Result<(Declared, Option<Change>), Box<dyn Error>> {
-        let (joint, load) = self.joint;
-        let named = self.chain.joint(joint).name.clone();
-        let slide = self.chain.joint(joint).kind == JointKind::Prismatic;
+    fn extra(self, extra: Extra) -> Outcome<(Declared, Option<Change>)> {
+        let Drawing { chain, errors, rng, duration, joint: (joint, load), .. } = self;
+        let (named, slide) = (name_of(chain, joint), slides(chain, joint));
         // A joint that hardly moves the point would have to err by tenths of a radian to be seen: no machine does, and no linear model holds.
         let size = if slide { self.size } else { (self.size / self.reach).min(LARGEST) };
         let milli = 1e3 * size;
-        let (mrad, mm) = ((!slide).then_some(milli), slide.then_some(milli));
-        let errors = &mut self.options.errors;
-        let some = |effect: Box<dyn AnyEffect>, coefficients: Vec<f64>, shape: Option<f64>| Declared {
-            effect: Some(effect),
-            coefficients,
-            shape,
-        };
-        let mut between = |low: f64, high: f64| low + (high - low) * self.rng.random::<f64>();
-        Ok(match extra {
-            Extra::None => (Declared { effect: None, coefficients: Vec::new(), shape: None }, None),
+        let mut between = |low: f64, high: f64| low + (high - low) * rng.random::<f64>();
+        let mut change = None;
+        let (effect, coefficients, shape): (Box<dyn AnyEffect>, Vec<f64>, Option<f64>) = match extra {
+            Extra::None => {
+                return Ok((Declared { effect: None, coefficients: Vec::new(), shape: None }, None));
+            }
             Extra::Gap => {
-                errors.backlash.push(flaws::Backlash {
-                    joint: named,
-                    width_mrad: mrad,
-                    width_mm: mm,
-                    side: flaws::BacklashSide::Approach,
-                    flank_load: None,
-                });
-                (some(Box::new(Backlash::of(joint, Side::Approach)), vec![size], None), None)
+                errors.backlash.push(backlash(named, slide, milli));
+                (Box::new(Backlash::of(joint, Side::Approach)), vec![size], None)
             }
             Extra::Flank => {
                 let flank = load * between(0.2, 0.5);
-                errors.backlash.push(flaws::Backlash {
-                    joint: named,
-                    width_mrad: mrad,
-                    width_mm: mm,
-                    side: flaws::BacklashSide::Load,
-                    flank_load: Some(flank),
-                });
-                let effect = Backlash {
-                    flank_load: Some(0.5 * load),
-                    flank_range: Some([0.02 * load, 2.0 * load]),
-                    ..Backlash::of(joint, Side::Load)
-                };
-                (some(Box::new(effect), vec![size], Some(flank)), None)
+                let (side, flank_load) = (flaws::BacklashSide::Load, Some(flank));
+                errors.backlash.push(flaws::Backlash { side, flank_load, ..backlash(named, slide, milli) });
+                let flank_range = Some([0.02 * load, 2.0 * load]);
+                let of = Backlash::of(joint, Side::Load);
+                let effect = Backlash { flank_load: Some(0.5 * load), flank_range, ..of };
+                (Box::new(effect), vec![size], Some(flank))
             }
             Extra::Ratio => {
-                let others: Vec<JointId> =
-                    self.chain.movable().iter().copied().filter(|j| *j != joint).collect();
-                let driver = *others.choose(self.rng).ok_or("one joint alone")?;
+                let others: Vec<JointId> = chain.movable().iter().copied().filter(|j| *j != joint).collect();
+                let driver = *others.choose(rng).ok_or("one joint alone")?;
                 errors.coupling.push(flaws::Dragging {
                     joint: named,
-                    driver: self.chain.joint(driver).name.clone(),
+                    driver: name_of(chain, driver),
                     ratio_milli: milli,
                     eccentricity_mrad: 0.0,
                 });
-                (some(Box::new(Coupling::of(joint, driver)), vec![size], None), None)
+                (Box::new(Coupling::of(joint, driver)), vec![size], None)
             }
             Extra::Period => {
                 let cycles = between(6.0, 60.0).round();
-                let period = if slide {
-                    errors.lead_screw.push(flaws::LeadScrew {
-                        joint: named,
-                        lead_mm: 10.0,
-                        amplitude_um: 1e3 * milli,
-                    });
-                    0.010
+                let period = if slide { 0.010 } else { TAU / cycles };
+                if slide {
+                    let (lead_mm, amplitude_um) = (10.0, 1e3 * milli);
+                    errors.lead_screw.push(flaws::LeadScrew { joint: named, lead_mm, amplitude_um });
                 } else {
-                    errors.transmission.push(flaws::Transmission {
-                        joint: named,
-                        wheel: flaws::Wheel::Mesh,
-                        amplitude_mrad: milli,
-                        cycles: Some(cycles),
-                        phase_deg: None,
-                    });
-                    TAU / cycles
-                };
-                let effect = Transmission {
-                    harmonics: vec![1, 2, 3],
-                    period_range: Some([0.7 * period, 1.4 * period]),
-                    ..Transmission::of(joint, 1.1 * period)
-                };
-                (some(Box::new(effect), vec![f64::NAN; 6], Some(period)), None)
+                    errors.transmission.push(gear(named, milli, Some(cycles)));
+                }
+                let period_range = Some([0.7 * period, 1.4 * period]);
+                let of = Transmission::of(joint, 1.1 * period);
+                let effect = Transmission { harmonics: vec![1, 2, 3], period_range, ..of };
+                (Box::new(effect), vec![f64::NAN; 6], Some(period))
             }
             Extra::Instant => {
-                let when_s = self.duration * between(0.15, 0.85);
-                let at = named;
-                errors.shift.push(flaws::Shift { at, when_s, size_mm: milli, size_mrad: milli });
-                let at_range = Some([0.0, self.duration]);
-                let spot = Spot::Joint(joint);
-                let effect = Shift { at_range, ..Shift::of(spot, 0.5 * self.duration) };
-                (some(Box::new(effect), vec![size], Some(when_s)), None)
+                let when_s = duration * between(0.15, 0.85);
+                errors.shift.push(flaws::Shift { at: named, when_s, size_mm: milli, size_mrad: milli });
+                let of = Shift::of(Spot::Joint(joint), 0.5 * duration);
+                (Box::new(Shift { at_range: Some([0.0, duration]), ..of }), vec![size], Some(when_s))
             }
             Extra::Lag => {
-                let lag_s = self.duration * between(0.05, 0.3);
-                let per_kelvin = 1e6 * size;
-                let grows = flaws::Growing::Motion;
+                let lag_s = duration * between(0.05, 0.3);
+                let (grows, per_kelvin) = (flaws::Growing::Motion, 1e6 * size);
                 errors.thermal.push(flaws::Thermal { at: named, grows, per_kelvin, lag_s });
                 let effect = Thermal {
                     grows: Some(Grows::Motion),
-                    lag: Some(0.1 * self.duration),
-                    lag_range: Some([0.005 * self.duration, self.duration]),
+                    lag: Some(0.1 * duration),
+                    lag_range: Some([0.005 * duration, duration]),
                     ..Thermal::of(Spot::Joint(joint), "temperature")
                 };
-                (some(Box::new(effect), vec![size], Some(lag_s)), None)
+                (Box::new(effect), vec![size], Some(lag_s))
             }
             Extra::Settling => {
-                let constant = self.duration * between(0.1, 0.4);
-                let step = self.duration / 500.0;
+                let constant = duration * between(0.1, 0.4);
+                let step = duration / 500.0;
                 let at_rest = |k: usize| -(-step * k as f64 / constant).exp_m1();
                 let curve = SmoothCurve::through(0.0, step, (0..=510).map(at_rest).collect())?;
-                let mover = Mover::Joint(joint.index(), size);
-                let effect = Drift {
-                    time_constant_range: Some([0.02 * self.duration, 2.0 * self.duration]),
-                    ..Drift::settling(Spot::Joint(joint), [0.0, self.duration], 0.2 * self.duration)
-                };
-                let change = Change { mover, amount: Amount::Curve(curve) };
-                (some(Box::new(effect), vec![size], Some(constant)), Some(change))
+                let (mover, amount) = (Mover::Joint(joint.index(), size), Amount::Curve(curve));
+                change = Some(Change { mover, amount });
+                let time_constant_range = Some([0.02 * duration, 2.0 * duration]);
+                let of = Drift::settling(Spot::Joint(joint), [0.0, duration], 0.2 * duration);
+                (Box::new(Drift { time_constant_range, ..of }), vec![size], Some(constant))
             }
-        })
+        };
+        Ok((Declared { effect: Some(effect), coefficients, shape }, change))
     }
 }

@@ -9,11 +9,10 @@
 //!
 //! What a backward stable method can promise is a small multiple of κ ε, where the residual is small; normal equations lose κ² ε.
 
-use std::fmt::Write;
+use crate::prelude::*;
 use truepose_identify::reduction::echelon;
-use truepose_kinematics::nalgebra::{DMatrix, DVector};
 use truepose_solvers::accumulator::{ColumnScale, Triangular};
-use truepose_solvers::{LeastSquares, PivotedQr, RankRule, SolveError, Solver, Svd};
+use truepose_solvers::{RankRule, SolveError, Svd};
 
 /// One problem's errors.
 #[derive(Debug, Clone, PartialEq)]
@@ -99,21 +98,16 @@ fn judged(name: &str, a: &DMatrix<f64>, grade: f64) -> Result<Precision, SolveEr
 }
 
 /// As a table.
-pub fn table(problems: &[Precision]) -> Result<String, std::fmt::Error> {
-    let mut text = String::from(
-        "| problem | κ | κ ε | least squares, qr | svd | covariance | rank | relations of the reduction |\n\
-         | --- | --- | --- | --- | --- | --- | --- | --- |\n",
-    );
+pub fn table(problems: &[Precision]) -> String {
+    let mut table =
+        Table::markdown("problem|κ|κ ε|least squares, qr|svd|covariance|rank|relations of the reduction");
     for p in problems {
-        let floor = p.condition * f64::EPSILON;
         let rank = if p.rank == 0 { "right".to_owned() } else { format!("{:+}", p.rank) };
-        writeln!(
-            text,
-            "| {} | {:.1e} | {floor:.1e} | {:.1e} | {:.1e} | {:.1e} | {rank} | {:.1e} |",
-            p.name, p.condition, p.qr, p.svd, p.covariance, p.relation
-        )?;
+        let numbers = [p.condition, p.condition * f64::EPSILON, p.qr, p.svd, p.covariance, p.relation];
+        let [condition, floor, qr, svd, covariance, relation] = numbers.map(|v| format!("{v:.1e}"));
+        table.row(&[&p.name, &condition, &floor, &qr, &svd, &covariance, &rank, &relation]);
     }
-    Ok(text)
+    table.text()
 }
 
 fn digits(name: &str, what: &str) -> Vec<f64> {

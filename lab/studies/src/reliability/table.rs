@@ -7,11 +7,10 @@
 //! The sums go over robots: what is stated of one robot shares its noise, so that intervals of one robot are not independent
 //! trials. Where each robot has one interval s is the binomial deviation.
 
-use super::record::Record;
-use super::trial::WHAT;
+use super::trial::{Record, WHAT};
 use crate::discovery::record::{Interval, Record as Discovered};
-use crate::discovery::summary::{first_p, uniformity};
-use std::fmt::{Error, Write};
+use crate::discovery::summary::first_p;
+use crate::prelude::*;
 
 /// Coverage of one kind of interval.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -63,74 +62,65 @@ pub fn coverage(records: &[Record], what: &str) -> Option<Coverage> {
     (!pairs.is_empty()).then(|| Coverage::of(&pairs))
 }
 
+/// A table of intervals.
+fn intervals(head: &str) -> Table {
+    Table::markdown(&format!("{head}|robots|intervals|contain the truth|"))
+}
+
+fn row(table: &mut Table, what: &str, c: &Coverage, most: f64) {
+    let fraction = format!("{:.1} ± {:.1} %", 100.0 * c.fraction, 196.0 * c.deviation);
+    table.row(&[&what, &c.robots, &c.intervals, &fraction, &c.verdict(0.93, most)]);
+}
+
 /// Intervals of robots whose effects are declared.
-pub fn declared(records: &[Record]) -> Result<String, Error> {
-    let mut text = String::from(
-        "| stated with 95 % | robots | intervals | contain the truth | |\n| --- | --- | --- | --- | --- |\n",
-    );
+pub fn declared(records: &[Record]) -> String {
+    let mut table = intervals("stated with 95 %");
     for what in WHAT {
         let Some(c) = coverage(records, what) else { continue };
         // What is stated of all poses holds at least so often, whatever the distribution: it cannot be exact.
         let most = if ["tolerance", "share at least", "share at most"].contains(&what) { 1.0 } else { 0.97 };
-        row(&mut text, what, &c, c.verdict(0.93, most))?;
+        row(&mut table, what, &c, most);
     }
-    Ok(text)
-}
-
-fn row(text: &mut String, what: &str, c: &Coverage, verdict: &str) -> Result<(), Error> {
-    writeln!(
-        text,
-        "| {what} | {} | {} | {:.1} ± {:.1} % | {verdict} |",
-        c.robots,
-        c.intervals,
-        100.0 * c.fraction,
-        196.0 * c.deviation
-    )
+    table.text()
 }
 
 /// Intervals of what the closed loop found.
-pub fn found(records: &[Discovered]) -> Result<String, Error> {
+pub fn found(records: &[Discovered]) -> String {
     if records.is_empty() {
-        return Ok(String::new());
+        return String::new();
     }
-    let mut text = String::from(
-        "| stated by `discover` | robots | intervals | contain the truth | |\n| --- | --- | --- | --- | --- |\n",
-    );
+    let mut table = intervals("stated by `discover`");
     let shape =
         |i: &Interval| ["period", "at", "lag", "time_constant", "flank_load"].contains(&i.name.as_str());
     for (what, shapes) in [("shapes", true), ("sizes", false)] {
-        let pairs: Vec<(usize, usize)> = records
-            .iter()
-            .map(|r| r.intervals.iter().filter(|i| !i.empty() && shape(i) == shapes).collect::<Vec<_>>())
-            .filter(|list| !list.is_empty())
-            .map(|list| (list.iter().filter(|i| i.covers()).count(), list.len()))
-            .collect();
+        let of = |r: &Discovered| {
+            let mine = r.intervals.iter().filter(|i| !i.empty() && shape(i) == shapes);
+            Fraction::of(mine.map(Interval::covers))
+        };
+        let all = records.iter().map(of).filter(|f| f.of > 0).map(|f| (f.hits, f.of));
+        let pairs: Vec<(usize, usize)> = all.collect();
         if !pairs.is_empty() {
-            let c = Coverage::of(&pairs);
-            row(&mut text, what, &c, c.verdict(0.93, 0.97))?;
+            row(&mut table, what, &Coverage::of(&pairs), 0.97);
         }
     }
-    Ok(text)
+    table.text()
 }
 
 /// p-values where nothing is missing, against the uniform distribution.
-pub fn nulls(records: &[Record], screened: &[Discovered]) -> Result<String, Error> {
-    let mut text = String::from(
-        "| p-values where nothing is missing | robots | largest distance from the uniform distribution | probability of a larger one (Kolmogorov, \
-         Smirnov) | below 5 % |\n| --- | --- | --- | --- | --- |\n",
+pub fn nulls(records: &[Record], screened: &[Discovered]) -> String {
+    let mut table = Table::markdown(
+        "p-values where nothing is missing|robots|largest distance from the uniform distribution|probability of a larger one (Kolmogorov, Smirnov)|below 5 %",
     );
     let lack: Vec<f64> = records.iter().map(|r| r.lack_of_fit).filter(|p| p.is_finite()).collect();
     let screen: Vec<f64> = screened.iter().filter(|r| r.ended()).map(first_p).collect();
     for (what, values) in [("lack of fit", lack), ("`discover`, family-wise p of its first screen", screen)] {
-        if values.is_empty() {
-            continue;
+        if !values.is_empty() {
+            let (distance, probability) = uniformity(&values);
+            let below = format!("{:.1} %", Fraction::of(values.iter().map(|p| *p < 0.05)).percent());
+            table.row(&[&what, &values.len(), &fixed(distance, 3), &fixed(probability, 2), &below]);
         }
-        let (distance, probability) = uniformity(&values);
-        let below = values.iter().filter(|p| **p < 0.05).count();
-        let fraction = 100.0 * below as f64 / values.len() as f64;
-        writeln!(text, "| {what} | {} | {distance:.3} | {probability:.2} | {fraction:.1} % |", values.len())?;
     }
-    Ok(text)
+    table.text()
 }
 
 #[cfg(test)]

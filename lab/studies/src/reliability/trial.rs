@@ -1,20 +1,14 @@
 //! One robot: the statements of the program, compared with the plant.
+//!
+//! One line a robot.
 
-use super::plants::{Extra, Made, kinds, make};
-use super::record::Record;
+use super::plants::{Extra, Made, make};
+use crate::prelude::*;
 use std::collections::BTreeSet;
-use std::error::Error;
-use std::time::Instant;
-use truepose_compensate::{Compensator, CompensatorOptions, Status, Target, predicted_error};
-use truepose_errormodel::{Dataset, configurations};
-use truepose_identify::{
-    Fit, FitOptions, Folds, Method, NoiseSource, Prior, PriorStrength, Residuals, Split,
-};
-use truepose_identify::{cross_validate, fit, fit_again, refit, repeats};
-use truepose_kinematics::Conditions;
-use truepose_kinematics::nalgebra::Vector3;
+use truepose_compensate::{Target, predicted_error};
+use truepose_errormodel::configurations;
+use truepose_identify::{Folds, Method, Split, cross_validate, fit_again, repeats};
 use truepose_report::{SpecificationSummary, largest_error_by_pose};
-use truepose_solvers::PivotedQr;
 
 /// Configurations at which predictions and commands are compared with the plant.
 const FRESH: usize = 24;
@@ -59,10 +53,10 @@ pub fn run(seed: u64) -> Record {
     record
 }
 
-fn judged(seed: u64, record: &mut Record) -> Result<(), Box<dyn Error>> {
-    let made = make(kinds(), seed)?;
-    record.robot = made.robot.into();
-    record.extra = made.extra.word().into();
+fn judged(seed: u64, record: &mut Record) -> Outcome {
+    let made = make(seed)?;
+    record.robot.clone_from(&made.robot);
+    record.extra = made.extra.word();
     let solver = PivotedQr::default();
     let found = fit(&made.model, &made.data, &solver, &FitOptions::default())?;
     record.visits = made.campaign.visits.len();
@@ -85,30 +79,20 @@ fn judged(seed: u64, record: &mut Record) -> Result<(), Box<dyn Error>> {
 /// Coefficients with which the reduced model is the plant: its fit to what would be seen without noise. A grouped error stands for
 /// others to first order only, and where some of them weigh tenfold (the tool's turn against targets at a hand's breadth) that is not
 /// enough to say what it should be.
-fn noise_free(made: &Made, found: &Fit) -> Result<Vec<f64>, Box<dyn Error>> {
-    let mut plant = made.plant.clone();
-    let instrument = &mut plant.instrument;
-    (instrument.sd, instrument.radial_per_metre, instrument.transverse_per_metre) = (0.0, 0.0, 0.0);
-    instrument.orientation_sd = instrument.orientation_sd.map(|_| 0.0);
-    plant.repeatability.sd = 0.0;
-    let mut data = plant.measure(&made.campaign, 0)?;
+fn truths(made: &Made, found: &Fit) -> Outcome<Vec<f64>> {
+    let mut data = noise_free(&made.plant).measure(&made.campaign, 0)?;
     data.position_sd.clone_from(&made.data.position_sd);
     data.orientation_sd.clone_from(&made.data.orientation_sd);
     data.channels.clone_from(&made.data.channels);
-    let model = found.fitted.model();
-    let noise = NoiseSource::Fixed(found.noise);
-    let options = FitOptions { prior: PriorStrength::None, noise, ..FitOptions::default() };
-    let prior = Prior::new(model, &found.reduction, PriorStrength::None);
-    let quiet = refit(model, &data, &PivotedQr::default(), &options, &found.reduction, &prior)?;
-    Ok(quiet.fitted.coefficients().to_vec())
+    coefficients_of_plant(found.fitted.model(), found, &data, found.noise)
 }
 
 /// Coefficients and shape parameters, whose intervals `identify` and `discover` print.
-fn parameters(made: &Made, found: &Fit, record: &mut Record) -> Result<(), Box<dyn Error>> {
+fn parameters(made: &Made, found: &Fit, record: &mut Record) -> Outcome {
     let model = found.fitted.model();
     let half = found.half_widths();
     let declared = made.model.effects().len();
-    let truths = noise_free(made, found)?;
+    let truths = truths(made, found)?;
     for group in &found.reduction.groups {
         let effect = (0..declared).find(|&k| model.columns_of(k).contains(&group.column));
         // Of a spring or a gap that stands for itself the plant's own number.
@@ -138,14 +122,14 @@ fn parameters(made: &Made, found: &Fit, record: &mut Record) -> Result<(), Box<d
         // What is left open says so, and is no interval.
         if !shape.open() {
             let [lower, upper] = shape.interval;
-            record.count(made.extra.word(), (lower..=upper).contains(&truth));
+            record.count(&made.extra.word(), (lower..=upper).contains(&truth));
         }
     }
     Ok(())
 }
 
 /// Bands of `compensate --report` and `map`, and the covariance of predictions, at configurations that took no part.
-fn bands(made: &Made, found: &Fit, record: &mut Record) -> Result<(), Box<dyn Error>> {
+fn bands(made: &Made, found: &Fit, record: &mut Record) -> Outcome {
     let (fitted, chain) = (&found.fitted, made.model.chain());
     let mut campaign = made.fresh(FRESH, record.seed + 1_000_000)?;
     let step = campaign.visits.len().div_ceil(FRESH);
@@ -199,7 +183,7 @@ fn bands(made: &Made, found: &Fit, record: &mut Record) -> Result<(), Box<dyn Er
 }
 
 /// What `--spec` states of all poses, from cross-validated ones.
-fn tolerances(made: &Made, found: &Fit, record: &mut Record) -> Result<(), Box<dyn Error>> {
+fn tolerances(made: &Made, found: &Fit, record: &mut Record) -> Outcome {
     let folds = Folds::new(&made.data, &Split::Random { folds: 5, seed: 0 })?;
     let held = cross_validate(found, &made.data, &folds, &PivotedQr::default(), Method::Auto)?;
     let limit = 1.3 * found.noise.floor(typical(&made.data));
@@ -216,7 +200,7 @@ fn tolerances(made: &Made, found: &Fit, record: &mut Record) -> Result<(), Box<d
     let all =
         made.plant.measure(&made.fresh(POPULATION, record.seed + 4_000_000)?, record.seed + 5_000_000)?;
     let rows: Vec<usize> = (0..all.len()).collect();
-    let worst = |fit: &Fit| -> Result<Vec<f64>, Box<dyn Error>> {
+    let worst = |fit: &Fit| -> Outcome<Vec<f64>> {
         Ok(largest_error_by_pose(&all, &rows, &Residuals::of(&fit.fitted, &all)?))
     };
     let share =
@@ -245,4 +229,46 @@ fn typical(data: &Dataset) -> f64 {
     let mut stated: Vec<f64> = data.position_sd.iter().flatten().copied().filter(|v| !v.is_nan()).collect();
     stated.sort_by(f64::total_cmp);
     stated.get(stated.len() / 2).copied().unwrap_or(f64::NAN)
+}
+
+/// Of so many intervals, how many hold the truth.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub struct Count {
+    pub held: usize,
+    pub of: usize,
+}
+
+/// What became of one robot.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct Record {
+    pub seed: u64,
+    pub robot: String,
+    pub extra: String,
+    pub visits: usize,
+    /// Width of the prior that the data chose.
+    #[serde(with = "number")]
+    pub kappa: f64,
+    /// p of the lack-of-fit test; NaN without one.
+    #[serde(with = "number")]
+    pub lack_of_fit: f64,
+    pub seconds: f64,
+    /// By statement.
+    pub counts: BTreeMap<String, Count>,
+    /// [`Record::ENDED`] with the shape that was found and its truth, or why not.
+    pub story: String,
+}
+
+impl Record {
+    pub const ENDED: &str = "ended";
+
+    pub fn ended(&self) -> bool {
+        self.story.starts_with(Record::ENDED)
+    }
+
+    /// One more interval.
+    pub fn count(&mut self, what: &str, held: bool) {
+        let count = self.counts.entry(what.to_owned()).or_default();
+        count.of += 1;
+        count.held += usize::from(held);
+    }
 }

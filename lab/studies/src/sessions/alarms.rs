@@ -1,11 +1,8 @@
 //! Unchanged robots, looked at fifty times: how many ever raise an alarm at the stated 1 %?
 
 use super::robots::{Robot, identified};
-use crate::parts::Asked;
-use std::error::Error;
-use std::fmt::Write;
-use truepose_errormodel::FittedModel;
-use truepose_simulate::{Campaign, Flaws, Plant, flaws};
+use crate::parts::Scope;
+use crate::prelude::*;
 use truepose_upkeep::{MonitorOptions, monitor};
 
 /// Looks at a robot, and check poses of a look.
@@ -29,46 +26,36 @@ struct Watched {
 }
 
 /// The table.
-pub fn table(asked: &Asked) -> Result<String, Box<dyn Error>> {
-    let all = asked.each(|number| one(number, asked.locked))?;
-    let mut text =
-        format!("{:66} robots  ever  first look  p0<0.5  p0<0.05\n", "unchanged robots, 50 looks each");
+pub fn table(scope: &Scope) -> Outcome<String> {
+    let all = scope.each(|number| one(number, scope.locked))?;
+    let layout = "unchanged robots, 50 looks each -66|robots 6|ever 5|first look 11|p0<0.5 7|p0<0.05 8";
+    let mut table = Table::columns(layout);
     for (kind, word) in KINDS.iter().enumerate() {
         let of: Vec<&Watched> = all.iter().filter(|watched| watched.kind == kind).collect();
-        let count = |of: &dyn Fn(&Watched) -> bool, all: &[&Watched]| all.iter().filter(|w| of(w)).count();
-        let share = |of: &dyn Fn(&Watched) -> bool, all: &[&Watched]| {
-            format!("{:.3}", count(of, all) as f64 / all.len().max(1) as f64)
-        };
-        writeln!(
-            text,
-            "{word:66} {:6} {:5} {:11} {:>7} {:>8}",
-            of.len(),
-            count(&|w| w.alarm.is_some(), &of),
-            count(&|w| w.alarm == Some(0), &of),
-            share(&|w| w.low[0], &of),
-            share(&|w| w.low[1], &of)
-        )?;
+        let count = |is: &dyn Fn(&Watched) -> bool| of.iter().filter(|w| is(w)).count();
+        let share = |is: &dyn Fn(&Watched) -> bool| fixed(count(is) as f64 / of.len().max(1) as f64, 3);
+        let (ever, first) = (count(&|w| w.alarm.is_some()), count(&|w| w.alarm == Some(0)));
+        table.row(&[word, &of.len(), &ever, &first, &share(&|w| w.low[0]), &share(&|w| w.low[1])]);
     }
-    Ok(text)
+    Ok(table.text())
 }
 
-fn one(number: u64, locked: bool) -> Result<Watched, Box<dyn Error>> {
+fn one(number: u64, locked: bool) -> Outcome<Watched> {
     let kind = (number / 3) as usize % KINDS.len();
     let robot = Robot::of(number, locked, if kind == 2 { 1 } else { 3 })?;
-    let plant = robot.plant(&robot.chain, if kind == 3 { gear(&robot) } else { Flaws::default() })?;
+    let plant = robot.plant(&robot.chain, if kind == 3 { with_gear(&robot) } else { Flaws::default() })?;
     let poses = if kind == 2 { 40 } else { 100 };
     let arm = identified(&robot.chain, &robot.observed(&plant, poses, 1)?.data)?.fitted;
     looks(&robot, &plant, &arm, kind)
 }
 
 /// A gear of the third joint that errs by 0.1 mrad once a turn.
-fn gear(robot: &Robot) -> Flaws {
-    let joint = robot.chain.joint(robot.chain.movable()[2]).name.clone();
-    let gear = flaws::Transmission { joint, amplitude_mrad: 0.1, ..flaws::Transmission::default() };
+fn with_gear(robot: &Robot) -> Flaws {
+    let gear = gear(name_of(&robot.chain, robot.chain.movable()[2]), 0.1, None);
     Flaws { transmission: vec![gear], ..Flaws::default() }
 }
 
-fn looks(robot: &Robot, plant: &Plant, arm: &FittedModel, kind: usize) -> Result<Watched, Box<dyn Error>> {
+fn looks(robot: &Robot, plant: &Plant, arm: &FittedModel, kind: usize) -> Outcome<Watched> {
     let mut watched = Watched { kind, alarm: None, low: [false; 2] };
     for look in 0..LOOKS {
         let seed = robot.seed + ((100 + look as u64) << 32);

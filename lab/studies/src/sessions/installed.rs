@@ -2,17 +2,11 @@
 //!
 //! The oracle is told where the bases stand exactly, and fits the same rows as those of one installation.
 
-use super::robots::{Robot, declared, error, identified, noise};
-use super::{quantile, rms};
-use crate::parts::Asked;
-use std::error::Error;
-use std::fmt::Write;
-use truepose_errormodel::{Dataset, DatasetBuilder, ErrorModel, FittedModel, Measurement, SessionRules};
-use truepose_identify::{Fit, FitOptions, NoiseSource, Prior, PriorStrength, fit, place, refit, unify};
-use truepose_kinematics::nalgebra::Vector3;
-use truepose_kinematics::{Chain, Placed, Pose};
-use truepose_simulate::{Flaws, Observation, Plant};
-use truepose_solvers::PivotedQr;
+use super::robots::{Robot, error, identified, noise};
+use crate::parts::Scope;
+use crate::prelude::*;
+use truepose_errormodel::{DatasetBuilder, Measurement, SessionRules};
+use truepose_identify::{place, unify};
 
 /// Poses of each session.
 const POSES: [usize; 3] = [50, 50, 50];
@@ -35,8 +29,8 @@ struct Installed {
 }
 
 /// The table.
-pub fn table(asked: &Asked) -> Result<String, Box<dyn Error>> {
-    let all = asked.each(|number| one(number, asked.locked))?;
+pub fn table(scope: &Scope) -> Outcome<String> {
+    let all = scope.each(|number| one(number, scope.locked))?;
     let mut text = format!(
         "{:44} robots  refused  coverage  coefficients  error um  oracle um  pure  with noise, RMS  90 % of robots\n",
         "three sessions of 50 poses, 3 targets"
@@ -48,17 +42,11 @@ pub fn table(asked: &Asked) -> Result<String, Box<dyn Error>> {
         let with = |(a, b): &(f64, f64)| (a.hypot(noise()), b.hypot(noise()));
         let (a, b) = (rms(errors.iter().map(|e| e.0)), rms(errors.iter().map(|e| e.1)));
         let noisy = rms(errors.iter().map(|e| with(e).0)) / rms(errors.iter().map(|e| with(e).1));
-        let most = quantile(errors.iter().map(|e| with(e).0 / with(e).1).collect(), 0.9);
-        writeln!(
-            text,
-            "{word:44} {:6} {:8} {:8.2}% {count:13} {:9.1} {:10.1} {:5.3} {noisy:16.3} {most:14.3}",
-            of.len(),
-            of.iter().filter(|one| one.refused.is_some()).count(),
-            100.0 * inside as f64 / count.max(1) as f64,
-            1e6 * a,
-            1e6 * b,
-            a / b
-        )?;
+        let most = nearest_quantile(errors.iter().map(|e| with(e).0 / with(e).1), 0.9);
+        let (robots, refused) = (of.len(), of.iter().filter(|one| one.refused.is_some()).count());
+        let (share, um, oracle) = (100.0 * inside as f64 / count.max(1) as f64, 1e6 * a, 1e6 * b);
+        write!(text, "{word:44} {robots:6} {refused:8} {share:8.2}% {count:13} {um:9.1} {oracle:10.1}")?;
+        writeln!(text, " {:5.3} {noisy:16.3} {most:14.3}", a / b)?;
     }
     let mut refused: Vec<&str> = all.iter().filter_map(|one| one.refused.as_deref()).collect();
     refused.sort_unstable();
@@ -68,11 +56,11 @@ pub fn table(asked: &Asked) -> Result<String, Box<dyn Error>> {
 }
 
 /// The robot in a session: its base, and the tool as it is mounted there.
-fn there(chain: &Chain, seed: u64, session: usize, kind: usize) -> Result<Chain, Box<dyn Error>> {
+fn there(chain: &Chain, seed: u64, session: usize, kind: usize) -> Outcome<Chain> {
     let number = (seed as f64) * 0.37 + session as f64;
     let at = [4.0 * number.sin(), 4.0 * (1.7 * number).cos(), 0.3 * (2.3 * number).sin()];
     let base = Pose::from_xyz_rpy(at, [0.0, 0.0, 3.0 * (3.1 * number).sin()]);
-    let chain = chain.clone().with_base(Placed { pose: base, known: true })?;
+    let chain = chain.clone().with_base(known(base))?;
     let (angle, length) = [(0.0, 0.0), (2.0, 3e-3), (25.0, 60e-3), (180.0, 60e-3)][kind];
     if session == 0 || kind == 0 {
         return Ok(chain);
@@ -83,11 +71,11 @@ fn there(chain: &Chain, seed: u64, session: usize, kind: usize) -> Result<Chain,
         * length;
     let moved = Pose::new(truepose_kinematics::rotation_vector(&turn), by);
     let pose = chain.tool().pose * moved;
-    Ok(chain.with_tool(Placed { pose, known: true })?)
+    Ok(chain.with_tool(known(pose))?)
 }
 
 /// Rows of several sessions in one table, each in its own frame.
-fn table_of(chain: &Chain, parts: &[Observation]) -> Result<Dataset, Box<dyn Error>> {
+fn table_of(chain: &Chain, parts: &[Observation]) -> Outcome<Dataset> {
     let mut builder = DatasetBuilder::new(chain);
     let (mut sessions, mut first) = (Vec::new(), 0);
     for (session, part) in parts.iter().enumerate() {
@@ -107,7 +95,7 @@ fn table_of(chain: &Chain, parts: &[Observation]) -> Result<Dataset, Box<dyn Err
     Ok(data)
 }
 
-fn one(number: u64, locked: bool) -> Result<Installed, Box<dyn Error>> {
+fn one(number: u64, locked: bool) -> Outcome<Installed> {
     let robot = Robot::of(number, locked, 3)?;
     let kind = (number / 3) as usize % KINDS.len();
     let blank = robot.chain.clone().with_base(Placed { pose: Pose::IDENTITY, known: false })?;
@@ -127,10 +115,8 @@ fn one(number: u64, locked: bool) -> Result<Installed, Box<dyn Error>> {
         Err(why) => return Ok(Installed { refused: Some(why.to_string()), ..record }),
     };
     let placed = place(&unified.chain, &unified.data)?.chain;
-    let mut effects = declared();
-    effects.extend(unified.effects.iter().cloned());
-    let model = ErrorModel::new(placed, effects)?;
-    let found = fit(&model, &unified.data, &PivotedQr::default(), &FitOptions::default())?;
+    let effects: Vec<_> = elastic_errors().into_iter().chain(unified.effects.iter().cloned()).collect();
+    let found = fitted(&placed, &effects, &unified.data, &FitOptions::default())?;
     // What would be seen without noise, in the same frame.
     let mut quiet = unified.data.clone();
     let truths = parts.iter().flat_map(|part| &part.true_positions);
@@ -138,7 +124,7 @@ fn one(number: u64, locked: bool) -> Result<Installed, Box<dyn Error>> {
         let frame = &unified.installed[quiet.session(row)].frame;
         quiet.position[row] = frame.apply(truth).into();
     }
-    let truths = noise_free(&found, &quiet)?;
+    let truths = coefficients_of_plant(found.fitted.model(), &found, &quiet, found.noise)?;
     let half = found.half_widths();
     for group in &found.reduction.groups {
         let k = group.column;
@@ -156,23 +142,8 @@ fn one(number: u64, locked: bool) -> Result<Installed, Box<dyn Error>> {
     Ok(record)
 }
 
-/// Coefficients with which the reduced model is the plant.
-fn noise_free(found: &Fit, quiet: &Dataset) -> Result<Vec<f64>, Box<dyn Error>> {
-    let model = found.fitted.model();
-    let noise = NoiseSource::Fixed(found.noise);
-    let options = FitOptions { prior: PriorStrength::None, noise, ..FitOptions::default() };
-    let prior = Prior::new(model, &found.reduction, PriorStrength::None);
-    let fit = refit(model, quiet, &PivotedQr::default(), &options, &found.reduction, &prior)?;
-    Ok(fit.fitted.coefficients().to_vec())
-}
-
 /// All rows carried to the last session by the true bases. The rows of another tool are left out: what the last session alone has.
-fn oracle(
-    robot: &Robot,
-    places: &[Chain],
-    parts: &[Observation],
-    kind: usize,
-) -> Result<FittedModel, Box<dyn Error>> {
+fn oracle(robot: &Robot, places: &[Chain], parts: &[Observation], kind: usize) -> Outcome<FittedModel> {
     let mut carried = Vec::new();
     for (place, part) in places.iter().zip(parts) {
         let mut part = part.clone();
@@ -191,11 +162,8 @@ fn oracle(
         for target in robot.chain.targets() {
             let on_flange = place.tool().pose.apply(&target.position);
             let position = places[2].tool().pose.inverse().apply(&on_flange);
-            targets.push(truepose_kinematics::Target {
-                name: format!("{} {k}", target.name),
-                position,
-                ..target.clone()
-            });
+            let name = format!("{} {k}", target.name);
+            targets.push(Target { name, position, ..target.clone() });
         }
     }
     chain = chain.with_targets(targets)?;

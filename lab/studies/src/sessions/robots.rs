@@ -1,14 +1,6 @@
 //! The robots of the study: plants of three kinds, an instrument and joints that do not repeat exactly.
 
-use std::error::Error;
-use truepose_errormodel::effects::{Geometric, JointCompliance};
-use truepose_errormodel::{AnyEffect, Dataset, ErrorModel, FittedModel};
-use truepose_identify::{Fit, FitOptions, fit};
-use truepose_kinematics::nalgebra::Vector3;
-use truepose_kinematics::{Chain, JointKind, Target, ToolId, samples};
-use truepose_simulate::description::{InstrumentSize, RepeatabilitySize};
-use truepose_simulate::{Campaign, Flaws, Observation, Plant, PlantOptions, flaws};
-use truepose_solvers::PivotedQr;
+use crate::prelude::*;
 
 /// Standard deviations of an axis: what the robot does differently each time, and the instrument; µm.
 const REPEATABILITY: f64 = 20.0;
@@ -29,7 +21,7 @@ pub struct Robot {
 
 impl Robot {
     /// Number `number` of a half of the seeds, with so many of its three targets.
-    pub fn of(number: u64, locked: bool, targets: usize) -> Result<Self, Box<dyn Error>> {
+    pub fn of(number: u64, locked: bool, targets: usize) -> Outcome<Self> {
         let (word, chain) = match number % 3 {
             0 => ("ur10", samples::ur10()),
             1 => ("heavy", samples::heavy()),
@@ -40,7 +32,7 @@ impl Robot {
     }
 
     /// The arm as it is: constant errors at all frames, two soft joints, and `more`.
-    pub fn plant(&self, chain: &Chain, more: Flaws) -> Result<Plant, Box<dyn Error>> {
+    pub fn plant(&self, chain: &Chain, more: Flaws) -> Outcome<Plant> {
         let geometric = flaws::Geometric {
             position_mm: 0.4,
             angle_mrad: 0.4,
@@ -62,46 +54,30 @@ impl Robot {
     }
 
     /// What a campaign number of random poses measures.
-    pub fn observed(
-        &self,
-        plant: &Plant,
-        poses: usize,
-        campaign: u64,
-    ) -> Result<Observation, Box<dyn Error>> {
+    pub fn observed(&self, plant: &Plant, poses: usize, campaign: u64) -> Outcome<Observation> {
         let seed = self.seed + (campaign << 32);
         let poses = Campaign::random(plant.chain(), poses, seed)?.shuffled(seed);
         Ok(plant.observe(&poses, seed)?)
     }
 }
 
-/// The effects that are declared.
-pub fn declared() -> Vec<Box<dyn AnyEffect>> {
-    vec![Box::new(Geometric::default()), Box::new(JointCompliance::default())]
-}
-
 /// The declared model, fitted.
-pub fn identified(chain: &Chain, data: &Dataset) -> Result<Fit, Box<dyn Error>> {
-    let model = ErrorModel::new(chain.clone(), declared())?;
-    Ok(fit(&model, data, &PivotedQr::default(), &FitOptions::default())?)
+pub fn identified(chain: &Chain, data: &Dataset) -> Outcome<Fit> {
+    fitted(chain, &elastic_errors(), data, &FitOptions::default())
 }
 
 /// RMS distance of predictions to where the targets really are, m.
-pub fn error(fitted: &FittedModel, seen: &Observation) -> Result<f64, Box<dyn Error>> {
+pub fn error(fitted: &FittedModel, seen: &Observation) -> Outcome<f64> {
     let mut predictor = fitted.bind(&seen.data.schema)?;
-    let squares = (0..seen.data.len()).map(|row| {
+    let off = |row: usize| {
         let pose = predictor.predict(&seen.data.conditions(row), seen.data.target[row]);
         (pose.translation - seen.true_positions[row]).norm_squared()
-    });
-    Ok((squares.sum::<f64>() / seen.data.len() as f64).sqrt())
+    };
+    Ok(((0..seen.data.len()).map(off).sum::<f64>() / seen.data.len() as f64).sqrt())
 }
 
-fn with_targets(chain: Chain, count: usize) -> Result<Chain, Box<dyn Error>> {
+fn with_targets(chain: Chain, count: usize) -> Outcome<Chain> {
     let at = [[0.12, 0.03, 0.05], [-0.08, 0.11, 0.02], [-0.05, -0.1, 0.14]];
-    let targets = (1..).zip(at.iter().take(count)).map(|(number, p)| Target {
-        name: format!("T{number}"),
-        position: Vector3::from(*p),
-        known: true,
-        tool: ToolId::FIRST,
-    });
+    let targets = (1..).zip(at.into_iter().take(count)).map(|(k, p)| target(format!("T{k}"), p.into()));
     Ok(chain.with_targets(targets.collect())?)
 }

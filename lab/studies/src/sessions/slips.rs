@@ -1,10 +1,9 @@
 //! A joint that is not where it was: is it found at the first look, with twelve planned poses, and named?
 
 use super::robots::{Robot, identified, noise};
-use crate::parts::Asked;
-use std::error::Error;
-use std::fmt::Write;
-use truepose_simulate::{Campaign, Flaws, Task, Visit, flaws};
+use crate::parts::Scope;
+use crate::prelude::*;
+use truepose_simulate::Task;
 use truepose_upkeep::{MonitorOptions, check_poses, monitor};
 
 const CHECKS: usize = 12;
@@ -32,55 +31,38 @@ struct Slipped {
 }
 
 /// The table.
-pub fn table(asked: &Asked) -> Result<String, Box<dyn Error>> {
-    let all = asked.each(|number| one(number, asked.locked))?;
+pub fn table(scope: &Scope) -> Outcome<String> {
+    let all = scope.each(|number| one(number, scope.locked))?;
     let mut text = format!(
         "{:24} robots   found  named first  among tied  tied, mean   ({CHECKS} planned poses, 3 targets, 100 poses of the fit)\n",
         "moves points by"
     );
     let count = |part: &dyn Fn(&Slipped) -> bool| all.iter().filter(|s| part(s)).count();
+    let percent = |part: usize| 100.0 * part as f64 / all.len().max(1) as f64;
     for (k, size) in SIZES.iter().enumerate() {
-        let of = |part: &dyn Fn(&Look) -> bool| count(&|slipped| part(&slipped.seen[k]));
+        let of = |part: &dyn Fn(&Look) -> bool| percent(count(&|slipped| part(&slipped.seen[k])));
         let tied: usize = all.iter().map(|slipped| slipped.seen[k].tied).sum();
-        writeln!(
-            text,
-            "{:24} {:6} {:6.1}% {:11.1}% {:10.1}% {:11.2}",
-            format!("{size} x the noise"),
-            all.len(),
-            percent(of(&|s| s.found), all.len()),
-            percent(of(&|s| s.found && s.first), all.len()),
-            percent(of(&|s| s.found && s.among), all.len()),
-            tied as f64 / all.len().max(1) as f64
-        )?;
+        let (found, first) = (of(&|s| s.found), of(&|s| s.found && s.first));
+        let (among, mean) = (of(&|s| s.found && s.among), tied as f64 / all.len().max(1) as f64);
+        let (words, robots) = (format!("{size} x the noise"), all.len());
+        writeln!(text, "{words:24} {robots:6} {found:6.1}% {first:11.1}% {among:10.1}% {mean:11.2}")?;
     }
-    writeln!(
-        text,
-        "nothing moved            {:6} {:6.1}%",
-        all.len(),
-        percent(count(&|s| s.before), all.len())
-    )?;
-    for slipped in all.iter().filter(|slipped| slipped.instead.is_some()) {
-        let instead = slipped.instead.as_deref().unwrap_or_default();
-        writeln!(
-            text,
-            "  at {} x not named first: joint {} of {}: {instead}",
-            SIZES[3],
-            slipped.joint + 1,
-            slipped.word
-        )?;
+    let before = percent(count(&|s| s.before));
+    writeln!(text, "nothing moved            {:6} {before:6.1}%", all.len())?;
+    for slipped in &all {
+        if let Some(instead) = &slipped.instead {
+            let (joint, word) = (slipped.joint + 1, slipped.word);
+            writeln!(text, "  at {} x not named first: joint {joint} of {word}: {instead}", SIZES[3])?;
+        }
     }
     Ok(text)
 }
 
-fn percent(part: usize, all: usize) -> f64 {
-    100.0 * part as f64 / all.max(1) as f64
-}
-
-fn one(number: u64, locked: bool) -> Result<Slipped, Box<dyn Error>> {
+fn one(number: u64, locked: bool) -> Outcome<Slipped> {
     let robot = Robot::of(number, locked, 3)?;
     let chain = &robot.chain;
     let joint = (number / 3) as usize % chain.movable().len();
-    let name = chain.joint(chain.movable()[joint]).name.clone();
+    let name = name_of(chain, chain.movable()[joint]);
     let plant = robot.plant(chain, Flaws::default())?;
     let arm = identified(chain, &robot.observed(&plant, 100, 1)?.data)?.fitted;
     let planned = check_poses(&arm, CHECKS, MonitorOptions::default().alpha)?;
@@ -91,15 +73,14 @@ fn one(number: u64, locked: bool) -> Result<Slipped, Box<dyn Error>> {
         .map(|at| Visit { joints: at.joints.clone(), load: at.load, approach: None, task: Task::Positions })
         .collect();
     let seed = robot.seed + (9 << 32);
-    let look = |mrad: f64| -> Result<_, Box<dyn Error>> {
+    let look = |mrad: f64| -> Outcome<_> {
         let shift = flaws::Shift { at: name.clone(), when_s: -1e9, size_mm: 0.0, size_mrad: mrad };
         let shift = if mrad == 0.0 { Vec::new() } else { vec![shift] };
         let plant = robot.plant(chain, Flaws { shift, ..Flaws::default() })?;
         Ok(plant.observe(&poses, seed)?)
     };
     let (still, unit) = (look(0.0)?, look(1.0)?);
-    let moved =
-        super::rms(still.true_positions.iter().zip(&unit.true_positions).map(|(a, b)| (a - b).norm()));
+    let moved = rms(still.true_positions.iter().zip(&unit.true_positions).map(|(a, b)| (a - b).norm()));
     let before = monitor(&arm, &still.data, MonitorOptions::default())?.changed;
     let mut slipped = Slipped { word: robot.word, joint, seen: Vec::new(), before, instead: None };
     let wanted = format!("zero of {name} ");

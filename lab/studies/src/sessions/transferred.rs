@@ -1,13 +1,8 @@
 //! An arm in another installation, from few poses of one target: error at new poses against an identification with all data there.
 
 use super::robots::{Robot, error, identified, noise};
-use super::{quantile, rms};
-use crate::parts::Asked;
-use std::error::Error;
-use std::fmt::Write;
-use truepose_kinematics::nalgebra::Vector3;
-use truepose_kinematics::{Chain, Placed, Pose, Target};
-use truepose_simulate::{Campaign, Flaws};
+use crate::parts::Scope;
+use crate::prelude::*;
 use truepose_upkeep::{Installation, TransferOptions, transfer, transfer_poses};
 
 /// Poses, and how they are chosen.
@@ -26,8 +21,8 @@ struct Carried {
 }
 
 /// The table.
-pub fn table(asked: &Asked) -> Result<String, Box<dyn Error>> {
-    let all = asked.each(|number| one(number, asked.locked))?;
+pub fn table(scope: &Scope) -> Outcome<String> {
+    let all = scope.each(|number| one(number, scope.locked))?;
     let whole = rms(all.iter().map(|one| one.all));
     let noisy = |error: f64| error.hypot(noise());
     let mut text = format!(
@@ -40,34 +35,29 @@ pub fn table(asked: &Asked) -> Result<String, Box<dyn Error>> {
     for (k, (poses, planned)) in WAYS.iter().enumerate() {
         for (which, word) in ["frozen", "updated"].iter().enumerate() {
             let errors = || all.iter().map(|one| one.errors[k][which]);
-            let ratios: Vec<f64> =
-                all.iter().map(|one| noisy(one.errors[k][which]) / noisy(one.all)).collect();
+            let ratios = || all.iter().map(|one| noisy(one.errors[k][which]) / noisy(one.all));
             let together = rms(errors().map(noisy)) / rms(all.iter().map(|one| noisy(one.all)));
             let stated = if which == 0 { rms(all.iter().map(|one| one.stated[k])) } else { f64::NAN };
-            writeln!(
-                text,
-                "{:28} {:8.1} {:6.2} {together:16.3} {:7.3} {:6.3} {stated:14.2}",
-                format!("{poses} {}, {word}", if *planned { "planned" } else { "random" }),
-                1e6 * rms(errors()),
-                rms(errors()) / whole,
-                quantile(ratios.clone(), 0.5),
-                quantile(ratios, 0.9)
-            )?;
+            let words = format!("{poses} {}, {word}", if *planned { "planned" } else { "random" });
+            let [middle, most] = [0.5, 0.9].map(|part| nearest_quantile(ratios(), part));
+            let (um, times) = (1e6 * rms(errors()), rms(errors()) / whole);
+            write!(text, "{words:28} {um:8.1} {times:6.2} {together:16.3} {middle:7.3} {most:6.3}")?;
+            writeln!(text, " {stated:14.2}")?;
         }
     }
     Ok(text)
 }
 
 /// Elsewhere in the shop, with the reflector mounted anew.
-fn elsewhere(chain: &Chain) -> Result<Chain, Box<dyn Error>> {
+fn elsewhere(chain: &Chain) -> Outcome<Chain> {
     let base = Pose::from_xyz_rpy([2.1, -3.4, 0.2], [0.0, 0.0, 1.9]);
     let offset = Vector3::new(0.03, -0.05, 0.08);
     let targets = chain.targets().iter().map(|t| Target { position: t.position + offset, ..t.clone() });
     let targets = targets.collect();
-    Ok(chain.clone().with_base(Placed { pose: base, known: true })?.with_targets(targets)?)
+    Ok(chain.clone().with_base(known(base))?.with_targets(targets)?)
 }
 
-fn one(number: u64, locked: bool) -> Result<Carried, Box<dyn Error>> {
+fn one(number: u64, locked: bool) -> Outcome<Carried> {
     let robot = Robot::of(number, locked, 1)?;
     let there = elsewhere(&robot.chain)?;
     let (before, after) =

@@ -14,10 +14,8 @@
 //! A row is in units of its noise; the noise is given relative to the signal. A visit has two rows, and one that is wrong is
 //! wrong in both.
 
-use nalgebra::{DMatrix, DVector};
-use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
-use truepose_solvers::{Bounds, LeastSquares, nalgebra};
+use crate::prelude::*;
+use truepose_solvers::Bounds;
 
 /// Unknowns p.
 pub const UNKNOWNS: usize = 24;

@@ -2,21 +2,16 @@
 //!
 //! One thing is varied at a time around κ = 1e3, noise 1 %, 600 rows, nothing wrong and every effect real.
 
+use crate::prelude::*;
 mod family;
-mod figures;
 mod optimality;
 mod record;
 mod robots;
-mod strategies;
 mod summary;
 mod trial;
 
-use crate::journal::Journal;
-use crate::results::finish;
-use crate::{folder, print};
 use family::Recipe;
 use record::{Record, Solved};
-use std::error::Error;
 
 /// Draws of each problem.
 const SEEDS: u64 = 3;
@@ -39,35 +34,29 @@ impl Task {
 }
 
 /// Runs the study.
-pub fn run(_: &[String]) -> Result<(), Box<dyn Error>> {
+pub fn run(_: &[String]) -> Outcome {
     let folder = folder("solvers")?;
-    let strategies = strategies::strategies()?;
+    let strategies = optimality::strategies()?;
     let mut journal: Journal<Solved> = Journal::open_at(&folder, "partial", &fingerprint()?)?;
     let tasks = tasks();
-    let mut records: Vec<Record> = Vec::new();
-    for (k, task) in tasks.iter().enumerate() {
-        let name = task.name();
-        if !journal.records.iter().any(|known| known.problem == name) {
-            let records = match task {
-                Task::Family { sweep, recipe } => trial::trial(sweep, recipe, &strategies)?,
-                Task::Robot { plant, outliers, seed } => robots::trial(plant, *outliers, *seed, &strategies)?,
-            };
-            journal.add(Solved { problem: name.clone(), records })?;
-        }
-        let known = journal.records.iter().find(|known| known.problem == name);
-        records.extend(known.iter().flat_map(|known| known.records.clone()));
-        if (k + 1) % 20 == 0 {
-            print(&format!("{} of {} problems", k + 1, tasks.len()));
-        }
-    }
+    let run = |task: &&Task| {
+        let records = match task {
+            Task::Family { sweep, recipe } => trial::trial(sweep, recipe, &strategies)?,
+            Task::Robot { plant, outliers, seed } => robots::trial(plant, *outliers, *seed, &strategies)?,
+        };
+        Ok(Solved { problem: task.name(), records })
+    };
+    let words = |task: &&Task, _: &Solved| Some(task.name());
+    journal.complete(&tasks, |known, task| known.problem == task.name(), run, words)?;
+    let of = |task: &Task| journal.records.iter().find(|known| known.problem == task.name());
+    let records: Vec<Record> = tasks.iter().filter_map(of).flat_map(|known| known.records.clone()).collect();
     let text = summary::text(&records, &strategies)?;
-    figures::draw(&folder, &records)?;
     journal.finish("table")?;
     finish("solvers", &folder.join("table.txt"), &text)
 }
 
 /// Another program (a changed one) takes nothing up.
-fn fingerprint() -> Result<String, Box<dyn Error>> {
+fn fingerprint() -> Outcome<String> {
     let program = std::fs::metadata(std::env::current_exe()?)?;
     let time = program.modified()?.duration_since(std::time::UNIX_EPOCH)?;
     Ok(format!("{} {}", program.len(), time.as_nanos()))

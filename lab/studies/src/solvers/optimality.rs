@@ -11,9 +11,12 @@
 //! | `group_lasso` | distance of −g from λ √\|G\| ∂‖v_G‖, group by group |
 //!
 //! Shares nothing with the solvers' own checks.
+//!
+//! Every strategy that is compared.
 
-use nalgebra::{DMatrix, DVector};
-use truepose_solvers::{Bounds, Solution, nalgebra};
+use super::family::{Problem, Rows};
+use crate::prelude::*;
+use truepose_solvers::Solution;
 
 /// Which conditions hold.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -33,15 +36,8 @@ pub enum Conditions {
 }
 
 /// Largest violation, relative; none when the conditions are not known or there is no answer.
-pub fn violation(
-    conditions: Conditions,
-    a: &DMatrix<f64>,
-    y: &DVector<f64>,
-    scale: &[f64],
-    groups: &[usize],
-    bounds: &Bounds,
-    solution: &Solution,
-) -> Option<f64> {
+pub fn violation(conditions: Conditions, rows: &Rows, whole: &Problem, solution: &Solution) -> Option<f64> {
+    let (Rows { a, y, .. }, Problem { scale, groups, bounds, .. }) = (rows, whole);
     let x = solution.answer()?;
     let root = |i: usize| solution.info.row_weights.as_ref().map_or(1.0, |w| w[i].sqrt());
     let weighted = DMatrix::from_fn(a.nrows(), a.ncols(), |i, j| root(i) * a[(i, j)] * scale[j]);
@@ -84,11 +80,48 @@ pub fn violation(
     }
 }
 
+/// A solver, as it is typed, with what its answer has to satisfy.
+pub struct Strategy {
+    pub name: &'static str,
+    pub solver: Box<dyn Solver>,
+    pub conditions: Conditions,
+    /// Whether its optimum is found by clarabel.
+    pub conic: bool,
+}
+
+/// The first is what all others are compared with.
+const ALL: [(&str, Conditions, bool); 16] = [
+    ("qr", Conditions::Squares, false),
+    ("svd", Conditions::Squares, false),
+    ("svd(rcond=1e-6)", Conditions::Unknown, false),
+    ("normal", Conditions::Squares, false),
+    ("ridge(gcv)", Conditions::Ridge, false),
+    ("ridge(lcurve)", Conditions::Ridge, false),
+    ("ridge(cv)", Conditions::Ridge, false),
+    ("ridge(map)", Conditions::Ridge, false),
+    ("lasso", Conditions::Absolute { mix: 1.0 }, true),
+    ("elastic_net", Conditions::Absolute { mix: 0.5 }, true),
+    ("group_lasso", Conditions::Groups, true),
+    ("group_lasso(refit)", Conditions::Unknown, true),
+    ("bounded(qr)", Conditions::Bounded, true),
+    ("huber(qr)", Conditions::Squares, false),
+    ("tukey(qr)", Conditions::Squares, false),
+    ("huber_exact", Conditions::Squares, true),
+];
+
+/// All of them.
+pub fn strategies() -> Result<Vec<Strategy>, truepose_solvers::SolveError> {
+    ALL.iter()
+        .map(|&(name, conditions, conic)| {
+            Ok(Strategy { name, solver: name.parse::<SolverSpec>()?.build(), conditions, conic })
+        })
+        .collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::solvers::family::{Problem, Recipe};
-    use truepose_solvers::SolverSpec;
+    use crate::solvers::family::Recipe;
 
     #[test]
     fn an_answer_that_is_moved_is_no_optimum() {
@@ -105,10 +138,7 @@ mod tests {
         ] {
             let solver = name.parse::<SolverSpec>().unwrap().build();
             let mut solution = solver.solve(&rows.problem(&whole, name.starts_with("bounded"))).unwrap();
-            let at = |s: &Solution| {
-                violation(conditions, &rows.a, &rows.y, &whole.scale, &whole.groups, &whole.bounds, s)
-                    .unwrap()
-            };
+            let at = |s: &Solution| violation(conditions, &rows, &whole, s).unwrap();
             assert!(at(&solution) < 1e-7, "{name}: {}", at(&solution));
             let j = solution.x.iamax();
             solution.x[j] *= 0.999;

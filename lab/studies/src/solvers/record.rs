@@ -1,7 +1,7 @@
 //! What one strategy did on one problem.
 
-use crate::journal::number;
-use serde::{Deserialize, Serialize};
+use crate::prelude::*;
+use truepose_identify::Paired;
 
 /// A strategy on a problem.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
@@ -47,6 +47,32 @@ pub struct Record {
 }
 
 impl Record {
+    /// Of a strategy on a problem, without any result.
+    pub fn blank(sweep: &str, solver: &str) -> Self {
+        let none = f64::NAN;
+        Record {
+            sweep: sweep.into(),
+            solver: solver.into(),
+            condition: none,
+            noise: none,
+            held_out: none,
+            parameters: none,
+            oracle_parameters: none,
+            optimality: none,
+            t: none,
+            p_value: none,
+            ..Record::default()
+        }
+    }
+
+    /// Notes the held-out squares, and the test of their differences from those of the first strategy.
+    pub fn compare(&mut self, squares: Squares, rows: usize, first: &mut Option<Squares>) {
+        if let Some(paired) = first.as_ref().and_then(|first| Paired::of(first, &squares, rows)) {
+            (self.t, self.p_value) = (paired.t, paired.p_value);
+        }
+        first.get_or_insert(squares);
+    }
+
     /// Held-out error over that of the oracle.
     pub fn ratio(&self) -> f64 {
         self.held_out / self.oracle

@@ -2,16 +2,12 @@
 //!
 //! The folds are of configurations; errors are evaluated at rows without outliers, against an oracle that excludes the outliers.
 
+use super::optimality::Strategy;
 use super::record::Record;
-use super::strategies::Strategy;
-use rayon::prelude::*;
-use std::error::Error;
-use std::time::Instant;
-use truepose_errormodel::effects::{Geometric, JointCompliance};
-use truepose_errormodel::{AnyEffect, Dataset, ErrorModel, Visits};
-use truepose_identify::{Fit, FitOptions, Folds, Paired, PriorStrength, Residuals, Split, fit};
-use truepose_simulate::{Campaign, Plant, SimulateError, robots};
-use truepose_solvers::{Need, PivotedQr, Solver};
+use crate::prelude::*;
+use truepose_identify::{Folds, Split};
+use truepose_simulate::{SimulateError, robots};
+use truepose_solvers::Need;
 
 /// Configurations measured.
 const CONFIGURATIONS: usize = 70;
@@ -35,38 +31,20 @@ struct Calibration {
     options: FitOptions,
 }
 
-/// Sum of squares (m²) and number of rows, fold by fold.
-type Squares = Vec<(f64, usize)>;
-
 /// Every strategy on the calibration of one plant.
-pub fn trial(
-    name: &str,
-    outliers: f64,
-    seed: u64,
-    strategies: &[Strategy],
-) -> Result<Vec<Record>, Box<dyn Error>> {
+pub fn trial(name: &str, outliers: f64, seed: u64, strategies: &[Strategy]) -> Outcome<Vec<Record>> {
     let calibration = Calibration::new(name, outliers, seed)?;
-    let oracle = rms(&calibration.held_out(&PivotedQr::default(), true)?);
+    let oracle = rms_of_folds(&calibration.held_out(&PivotedQr::default(), true)?);
     let mut records = Vec::new();
     let mut first: Option<Squares> = None;
     for strategy in strategies {
         let mut record = Record {
-            sweep: name.into(),
-            condition: f64::NAN,
-            noise: f64::NAN,
             outliers,
             rows: (3 * calibration.data.len()) as f64,
             unknowns: calibration.model.columns().len() as f64,
             seed: seed as f64,
-            solver: strategy.name.into(),
             oracle: 1e3 * oracle,
-            held_out: f64::NAN,
-            parameters: f64::NAN,
-            oracle_parameters: f64::NAN,
-            optimality: f64::NAN,
-            t: f64::NAN,
-            p_value: f64::NAN,
-            ..Record::default()
+            ..Record::blank(name, strategy.name)
         };
         let all: Vec<usize> = (0..calibration.data.len()).collect();
         let begun = Instant::now();
@@ -80,12 +58,9 @@ pub fn trial(
                 record.iterations = fit.rounds as f64;
                 record.rank = fit.solution.rank as f64;
                 let squares = calibration.held_out(&*strategy.solver, false)?;
-                record.held_out = 1e3 * rms(&squares);
+                record.held_out = 1e3 * rms_of_folds(&squares);
                 let rows = squares.iter().map(|s| s.1).sum();
-                if let Some(paired) = first.as_ref().and_then(|f| Paired::of(f, &squares, rows)) {
-                    (record.t, record.p_value) = (paired.t, paired.p_value);
-                }
-                first.get_or_insert(squares);
+                record.compare(squares, rows, &mut first);
             }
             Some(Err(error)) => record.status = error.to_string().replace([',', '\n'], ";"),
             None => {}
@@ -96,7 +71,7 @@ pub fn trial(
 }
 
 impl Calibration {
-    fn new(name: &str, outliers: f64, seed: u64) -> Result<Self, Box<dyn Error>> {
+    fn new(name: &str, outliers: f64, seed: u64) -> Outcome<Self> {
         let mut plant = plant(name, seed)?;
         plant.blunders.outlier_share = outliers;
         plant.blunders.outlier_size = WRONG;
@@ -105,12 +80,16 @@ impl Calibration {
         let seen = plant.observe(&campaign, seed)?;
         let mut wrong = vec![false; seen.data.len()];
         seen.outliers.iter().for_each(|&row| wrong[row] = true);
-        let effects: Vec<Box<dyn AnyEffect>> =
-            vec![Box::new(Geometric::default()), Box::new(JointCompliance::default())];
         // No prior: what is compared is what the solvers do about weak directions.
         let options = FitOptions { prior: PriorStrength::None, ..FitOptions::default() };
         let folds = Folds::new(&seen.data, &Split::Random { folds: super::trial::FOLDS, seed })?;
-        Ok(Calibration { model: ErrorModel::new(chain, effects)?, data: seen.data, wrong, folds, options })
+        Ok(Calibration {
+            model: ErrorModel::new(chain, elastic_errors())?,
+            data: seen.data,
+            wrong,
+            folds,
+            options,
+        })
     }
 
     fn fit(&self, solver: &dyn Solver, rows: &[usize]) -> Result<Fit, truepose_identify::IdentifyError> {
@@ -123,22 +102,21 @@ impl Calibration {
         fit(&self.model, &self.data.select(rows), solver, &options)
     }
 
-    /// Held-out squares of every fold; `told` leaves wrong rows out of the fits.
-    fn held_out(&self, solver: &dyn Solver, told: bool) -> Result<Squares, Box<dyn Error>> {
+    /// Held-out squares of every fold; `without_wrong` leaves wrong rows out of the fits.
+    fn held_out(&self, solver: &dyn Solver, without_wrong: bool) -> Outcome<Squares> {
         let visits = Visits::of(&self.data);
         let fold = |row: usize| self.folds.of_visit[self.data.visit[row]];
-        let one = |out: usize| -> Result<(f64, usize), String> {
-            let used = |row: &usize| fold(*row) != out && !(told && self.wrong[*row]);
+        let one = |out: usize| -> Outcome<(f64, usize)> {
+            let used = |row: &usize| fold(*row) != out && !(without_wrong && self.wrong[*row]);
             let rows: Vec<usize> = (0..self.data.len()).filter(used).collect();
-            let fit = self.fit(solver, &rows).map_err(|e| e.to_string())?;
+            let fit = self.fit(solver, &rows)?;
             let held: Vec<usize> =
                 visits.rows.iter().flatten().copied().filter(|&r| fold(r) == out && !self.wrong[r]).collect();
-            let residuals =
-                Residuals::of(&fit.fitted, &self.data.select(&held)).map_err(|e| e.to_string())?;
+            let residuals = Residuals::of(&fit.fitted, &self.data.select(&held))?;
             let squares = (0..held.len()).filter_map(|k| residuals.distance(k)).map(|d| d * d);
             Ok((squares.sum(), held.len()))
         };
-        Ok((0..self.folds.count).into_par_iter().map(one).collect::<Result<_, _>>()?)
+        (0..self.folds.count).into_par_iter().map(one).collect()
     }
 }
 
@@ -147,9 +125,4 @@ fn plant(name: &str, seed: u64) -> Result<Plant, SimulateError> {
         "ur10" => robots::ur10_plant(seed),
         _ => robots::heavy_plant(seed),
     }
-}
-
-fn rms(squares: &Squares) -> f64 {
-    let (sum, rows) = squares.iter().fold((0.0, 0), |(s, n), (square, rows)| (s + square, n + rows));
-    (sum / rows as f64).sqrt()
 }

@@ -1,8 +1,8 @@
 //! What the records come to: a table, and which strategy to take when, by the numbers.
 
+use super::optimality::Strategy;
 use super::record::Record;
-use super::strategies::Strategy;
-use std::fmt::{Error, Write};
+use crate::prelude::*;
 
 /// Problems that a user would recognise as one's own.
 struct Regime {
@@ -21,54 +21,50 @@ const REGIMES: [Regime; 8] = [
     Regime { name: "robots bad", holds: |r| r.condition.is_nan() && r.outliers > 0.01 },
 ];
 
-/// Median; NaN of nothing.
-pub fn median(mut values: Vec<f64>) -> f64 {
-    if values.is_empty() {
-        return f64::NAN;
-    }
-    values.sort_by(f64::total_cmp);
-    let (low, high) = (values[(values.len() - 1) / 2], values[values.len() / 2]);
-    0.5 * (low + high)
-}
-
 /// Median of what a strategy reached in a regime.
 fn reached(records: &[Record], strategy: &str, regime: &Regime, of: fn(&Record) -> f64) -> f64 {
     let here = records.iter().filter(|r| r.solver == strategy && (regime.holds)(r));
-    median(here.map(of).filter(|v| !v.is_nan()).collect())
+    median(here.map(of))
+}
+
+/// Median; an infinite value counts, one that is missing does not.
+fn median(values: impl Iterator<Item = f64>) -> f64 {
+    let mut values: Vec<f64> = values.filter(|v| !v.is_nan()).collect();
+    values.sort_by(f64::total_cmp);
+    let n = values.len();
+    if n == 0 { f64::NAN } else { 0.5 * (values[(n - 1) / 2] + values[n / 2]) }
 }
 
 /// Everything that is printed.
-pub fn text(records: &[Record], strategies: &[Strategy]) -> Result<String, Error> {
+pub fn text(records: &[Record], strategies: &[Strategy]) -> Outcome<String> {
+    let ratio = |r: &Record| r.parameters / r.oracle_parameters;
+    let held_out = |s: &str, regime: &Regime| short(reached(records, s, regime, Record::ratio));
+    let parameters = |s: &str, regime: &Regime| short(reached(records, s, regime, ratio));
+    let significant = |s: &str, regime: &Regime| {
+        let mine = || records.iter().filter(|r| r.solver == s && (regime.holds)(r));
+        let count = |better: bool| mine().filter(|r| r.p_value < 0.05 && (r.t < 0.0) == better).count();
+        format!("{}/{} of {}", count(true), count(false), mine().count())
+    };
     let mut text = String::new();
-    block(&mut text, records, strategies, "held-out error / oracle, median", Record::ratio)?;
-    block(&mut text, records, strategies, "parameter error / oracle, median", |r| {
-        r.parameters / r.oracle_parameters
-    })?;
+    let first = "held-out error / oracle, median";
+    writeln!(text, "{first}\n{}{}", heads(), by_regime(strategies, held_out))?;
+    writeln!(text, "parameter error / oracle, median\n{}{}", heads(), by_regime(strategies, parameters))?;
     cost(&mut text, records, strategies)?;
-    significance(&mut text, records, strategies)?;
+    let words = "on the same folds: problems significantly better / worse (p < 0.05)";
+    let table = by_regime(&strategies[1..], significant);
+    writeln!(text, "against {} {words}\n{table}", strategies[0].name)?;
     verdict(&mut text, records, strategies)?;
     Ok(text)
 }
 
-fn block(
-    text: &mut String,
-    records: &[Record],
-    strategies: &[Strategy],
-    title: &str,
-    of: fn(&Record) -> f64,
-) -> Result<(), Error> {
-    writeln!(text, "{title}")?;
-    write!(text, "{:18}", "")?;
-    REGIMES.iter().try_for_each(|r| write!(text, " {:>10}", r.name))?;
-    writeln!(text)?;
-    for strategy in strategies {
-        write!(text, "{:18}", strategy.name)?;
-        for regime in &REGIMES {
-            write!(text, " {:>10}", short(reached(records, strategy.name, regime, of)))?;
-        }
-        writeln!(text)?;
-    }
-    writeln!(text)
+fn heads() -> String {
+    format!("{:18}{}\n", "", REGIMES.iter().map(|r| format!(" {:>10}", r.name)).collect::<String>())
+}
+
+/// A line a strategy, a column a regime.
+fn by_regime(strategies: &[Strategy], cell: impl Fn(&str, &Regime) -> String) -> String {
+    let cells = |name: &str| REGIMES.iter().map(|r| format!(" {:>10}", cell(name, r))).collect::<String>();
+    strategies.iter().map(|s| format!("{:18}{}\n", s.name, cells(s.name))).collect()
 }
 
 fn short(value: f64) -> String {
@@ -79,41 +75,30 @@ fn short(value: f64) -> String {
     }
 }
 
-fn cost(text: &mut String, records: &[Record], strategies: &[Strategy]) -> Result<(), Error> {
-    writeln!(
-        text,
-        "{:18} {:>9} {:>9} {:>10} {:>10} {:>11} {:>11} {:>10}  not converged",
-        "one solve", "ms", "ms", "kB", "kB", "iterations", "rank", "worst KKT"
-    )?;
-    writeln!(
-        text,
-        "{:18} {:>9} {:>9} {:>10} {:>10} {:>11} {:>11}",
-        "", "600 rows", "20000", "600 rows", "20000", "median", "least–most"
-    )?;
+fn cost(text: &mut String, records: &[Record], strategies: &[Strategy]) -> Outcome {
+    let mut table = Table::columns(
+        "one solve -18|ms 9|ms 9|kB 10|kB 10|iterations 11|rank 11|worst KKT 10| not converged -1",
+    );
+    table.row(&[&"", &"600 rows", &"20000", &"600 rows", &"20000", &"median", &"least–most"]);
     for strategy in strategies {
         let mine = || records.iter().filter(|r| r.solver == strategy.name && r.condition.is_finite());
         let at = |rows: f64, of: fn(&Record) -> f64| {
-            median(mine().filter(|r| (r.rows - rows).abs() < 0.5).map(of).collect())
+            median(mine().filter(|r| (r.rows - rows).abs() < 0.5).map(of))
         };
+        let [ms, many_ms] = [600.0, 20_000.0].map(|rows| 1e3 * at(rows, |r| r.seconds));
+        let [kb, many_kb] = [600.0, 20_000.0].map(|rows| fixed(1e-3 * at(rows, |r| r.bytes), 0));
+        let iterations = fixed(median(mine().map(|r| r.iterations)), 0);
         let ranks = || mine().map(|r| r.rank);
+        let rank = format!("{}–{}", ranks().fold(f64::INFINITY, f64::min), ranks().fold(0.0, f64::max));
         let worst = mine().map(|r| r.optimality).filter(|v| !v.is_nan()).fold(f64::NAN, f64::max);
+        let worst = if worst.is_nan() { "–".into() } else { format!("{worst:.0e}") };
         let mut failed: Vec<&str> = mine().map(|r| r.status.as_str()).collect();
         failed.retain(|s| !["Converged", "RankDeficient"].contains(s));
-        writeln!(
-            text,
-            "{:18} {:>9.2} {:>9.1} {:>10.0} {:>10.0} {:>11.0} {:>11} {:>10}  {} of {}{}",
-            strategy.name,
-            1e3 * at(600.0, |r| r.seconds),
-            1e3 * at(20_000.0, |r| r.seconds),
-            1e-3 * at(600.0, |r| r.bytes),
-            1e-3 * at(20_000.0, |r| r.bytes),
-            median(mine().map(|r| r.iterations).collect()),
-            format!("{}–{}", ranks().fold(f64::INFINITY, f64::min), ranks().fold(0.0, f64::max)),
-            if worst.is_nan() { "–".into() } else { format!("{worst:.0e}") },
-            failed.len(),
-            mine().count(),
-            failed.first().map_or(String::new(), |s| format!(" ({s})")),
-        )?;
+        let first = failed.first().map_or(String::new(), |s| format!(" ({s})"));
+        let failed = format!(" {} of {}{first}", failed.len(), mine().count());
+        let (ms, many_ms) = (fixed(ms, 2), fixed(many_ms, 1));
+        let name = &strategy.name;
+        table.row(&[name, &ms, &many_ms, &kb, &many_kb, &iterations, &rank, &worst, &failed]);
     }
     let conic = strategies.iter().filter(|s| s.conic).map(|s| s.name);
     let worst = conic
@@ -121,29 +106,13 @@ fn cost(text: &mut String, records: &[Record], strategies: &[Strategy]) -> Resul
         .map(|r| r.optimality)
         .filter(|v| !v.is_nan())
         .fold(0.0, f64::max);
-    writeln!(text, "worst violation of the optimality conditions on clarabel, from the rows: {worst:.1e}\n")
-}
-
-fn significance(text: &mut String, records: &[Record], strategies: &[Strategy]) -> Result<(), Error> {
-    writeln!(
-        text,
-        "against {} on the same folds: problems significantly better / worse (p < 0.05)",
-        strategies[0].name
-    )?;
-    for strategy in &strategies[1..] {
-        write!(text, "{:18}", strategy.name)?;
-        for regime in &REGIMES {
-            let mine = || records.iter().filter(|r| r.solver == strategy.name && (regime.holds)(r));
-            let count = |better: bool| mine().filter(|r| r.p_value < 0.05 && (r.t < 0.0) == better).count();
-            write!(text, " {:>10}", format!("{}/{} of {}", count(true), count(false), mine().count()))?;
-        }
-        writeln!(text)?;
-    }
-    writeln!(text)
+    let words = "worst violation of the optimality conditions on clarabel, from the rows";
+    writeln!(text, "{}{words}: {worst:.1e}\n", table.text())?;
+    Ok(())
 }
 
 /// For each regime the strategies within 2 % of the best, cheapest first: once by prediction, once by parameters.
-fn verdict(text: &mut String, records: &[Record], strategies: &[Strategy]) -> Result<(), Error> {
+fn verdict(text: &mut String, records: &[Record], strategies: &[Strategy]) -> Outcome {
     writeln!(text, "which to take when: within 2 % of the best, cheapest first")?;
     for regime in &REGIMES {
         let best = |of: fn(&Record) -> f64| {

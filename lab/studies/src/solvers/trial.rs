@@ -1,27 +1,17 @@
 //! One problem of the generated family under every strategy: one solve timed and weighed alone, then the folds in parallel.
 
 use super::family::{Problem, Recipe, UNKNOWNS};
-use super::optimality::violation;
+use super::optimality::{Strategy, violation};
 use super::record::Record;
-use super::strategies::Strategy;
-use nalgebra::DVector;
-use rand::SeedableRng;
+use crate::prelude::*;
 use rand::seq::SliceRandom;
-use rand_chacha::ChaCha8Rng;
-use rayon::prelude::*;
-use std::error::Error;
-use std::time::Instant;
-use truepose_identify::Paired;
-use truepose_solvers::{LeastSquares, Need, PivotedQr, Solution, SolveError, Solver, nalgebra};
+use truepose_solvers::{Need, Solution, SolveError};
 
 /// Folds of the cross-validation.
 pub const FOLDS: usize = 5;
 
-/// Sum of squares and number of rows, fold by fold.
-type Squares = Vec<(f64, usize)>;
-
 /// Every strategy on the problem of a recipe.
-pub fn trial(sweep: &str, recipe: &Recipe, strategies: &[Strategy]) -> Result<Vec<Record>, Box<dyn Error>> {
+pub fn trial(sweep: &str, recipe: &Recipe, strategies: &[Strategy]) -> Outcome<Vec<Record>> {
     let problem = Problem::new(recipe);
     let folds = folds(&problem, recipe.seed);
     let oracle = Oracle::new(&problem, &folds)?;
@@ -33,24 +23,17 @@ pub fn trial(sweep: &str, recipe: &Recipe, strategies: &[Strategy]) -> Result<Ve
         let given = all.problem(&problem, bounded);
         let (solved, seconds, bytes) = weighed(&*strategy.solver, &given);
         let mut record = Record {
-            sweep: sweep.into(),
             condition: recipe.condition,
             noise: recipe.noise,
             outliers: recipe.outliers,
             rows: recipe.rows as f64,
             unknowns: UNKNOWNS as f64,
             seed: recipe.seed as f64,
-            solver: strategy.name.into(),
             oracle: oracle.held_out,
             oracle_parameters: oracle.parameters,
-            held_out: f64::NAN,
-            parameters: f64::NAN,
-            optimality: f64::NAN,
-            t: f64::NAN,
-            p_value: f64::NAN,
             seconds,
             bytes: bytes as f64,
-            ..Record::default()
+            ..Record::blank(sweep, strategy.name)
         };
         match &solved {
             Ok(solution) => {
@@ -58,25 +41,11 @@ pub fn trial(sweep: &str, recipe: &Recipe, strategies: &[Strategy]) -> Result<Ve
                 record.iterations = solution.info.iterations as f64;
                 record.rank = solution.rank as f64;
                 record.parameters = problem.parameter_error(&solution.x);
-                record.optimality = violation(
-                    strategy.conditions,
-                    &all.a,
-                    &all.y,
-                    &problem.scale,
-                    &problem.groups,
-                    &problem.bounds,
-                    solution,
-                )
-                .unwrap_or(f64::NAN);
+                let off = violation(strategy.conditions, &all, &problem, solution);
+                record.optimality = off.unwrap_or(f64::NAN);
                 let squares = held_out(&problem, &folds, &*strategy.solver)?;
-                record.held_out = rms(&squares);
-                if let Some(reference) = &first {
-                    if let Some(paired) = Paired::of(reference, &squares, oracle.rows) {
-                        (record.t, record.p_value) = (paired.t, paired.p_value);
-                    }
-                } else {
-                    first = Some(squares);
-                }
+                record.held_out = rms_of_folds(&squares);
+                record.compare(squares, oracle.rows, &mut first);
             }
             Err(error) => record.status = error.to_string().replace([',', '\n'], ";"),
         }
@@ -128,7 +97,7 @@ impl Oracle {
             .collect::<Result<Squares, SolveError>>()?;
         let all = right(&mut (0..problem.y.len()));
         Ok(Oracle {
-            held_out: rms(&squares),
+            held_out: rms_of_folds(&squares),
             parameters: problem.parameter_error(&fit(&all)?),
             rows: all.len(),
         })
@@ -155,11 +124,6 @@ fn squares(problem: &Problem, rows: &[usize], x: &DVector<f64>) -> (f64, usize) 
     ((&some.a * x - &some.y).norm_squared(), right.len())
 }
 
-fn rms(squares: &Squares) -> f64 {
-    let (sum, rows) = squares.iter().fold((0.0, 0), |(s, n), (square, rows)| (s + square, n + rows));
-    (sum / rows as f64).sqrt()
-}
-
 /// Visits at random into folds: the rows of each.
 fn folds(problem: &Problem, seed: u64) -> Vec<Vec<usize>> {
     let count = problem.visits.last().map_or(0, |last| last + 1);
@@ -175,7 +139,7 @@ fn folds(problem: &Problem, seed: u64) -> Vec<Vec<usize>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::solvers::strategies::strategies;
+    use crate::solvers::optimality::strategies;
 
     #[test]
     fn robust_fits_come_near_the_oracle_and_plain_squares_do_not() {

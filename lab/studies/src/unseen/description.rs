@@ -18,13 +18,14 @@
 //!
 //! Robots of one number have the same geometry, noise and cause in all cells of a kind: cells are compared in pairs.
 
-use super::cause::{Cause, INSIDE, OUTSIDE, WORDS};
-use super::everything;
+use super::amend;
+use super::cause::Cause;
 use super::robots::{MAKES, Make};
-use super::stream::{Draw, Half, Key, Part};
+use super::stream::{Key, Part};
+use crate::prelude::*;
 
-/// A kind of campaign.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// A kind of campaign; the place is the number in a key and never changes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Kind {
     Power,
     Outside,
@@ -41,23 +42,6 @@ pub enum Kind {
     Everything,
 }
 
-/// All of them; the place is the number in a key and never changes.
-pub const KINDS: [Kind; 13] = [
-    Kind::Power,
-    Kind::Outside,
-    Kind::Null,
-    Kind::Memory,
-    Kind::Flicker,
-    Kind::Columns,
-    Kind::Joints,
-    Kind::Stated,
-    Kind::Bad,
-    Kind::Rows,
-    Kind::Words,
-    Kind::Unweighed,
-    Kind::Everything,
-];
-
 /// What yields under weights that are not declared.
 const YIELDING: [Cause; 4] = [Cause::BaseTilt, Cause::LinkBending, Cause::JointCompliance, Cause::Drives];
 /// In the name of a cell: no payload but the robot itself.
@@ -67,28 +51,6 @@ const BARE: &str = " bare";
 pub const POSES: [usize; 6] = [20, 25, 30, 40, 60, 100];
 
 impl Kind {
-    pub fn word(self) -> &'static str {
-        match self {
-            Kind::Power => "power",
-            Kind::Outside => "outside",
-            Kind::Null => "null",
-            Kind::Memory => "memory",
-            Kind::Flicker => "flicker",
-            Kind::Columns => "columns",
-            Kind::Joints => "joints",
-            Kind::Stated => "stated",
-            Kind::Bad => "bad",
-            Kind::Rows => "rows",
-            Kind::Words => "words",
-            Kind::Unweighed => "unweighed",
-            Kind::Everything => "everything",
-        }
-    }
-
-    pub fn named(word: &str) -> Option<Self> {
-        KINDS.into_iter().find(|kind| kind.word() == word)
-    }
-
     /// Names of its cells.
     pub fn cells(self) -> Vec<String> {
         match self {
@@ -98,9 +60,9 @@ impl Kind {
                 ["0", "0.2", "0.4", "0.6"].iter().flat_map(|memory| both(memory)).collect()
             }
             Kind::Stated => vec!["1/3".into(), "3".into()],
-            Kind::Words => WORDS.map(|cause| cause.word().to_owned()).into(),
+            Kind::Words => Cause::with_word().iter().map(Word::word).collect(),
             Kind::Bad => vec!["1".into(), "2".into(), "3".into()],
-            Kind::Everything => everything::POSES.iter().map(usize::to_string).collect(),
+            Kind::Everything => amend::POSES.iter().map(usize::to_string).collect(),
             Kind::Unweighed => {
                 let with = |suffix: &str| YIELDING.map(|cause| format!("{}{suffix}", cause.word()));
                 ["", BARE].iter().flat_map(|suffix| with(suffix)).collect()
@@ -123,27 +85,17 @@ impl Kind {
 
     /// The key of a robot of this kind.
     pub fn key(self, half: Half, number: u64) -> Key {
-        let kind = KINDS.iter().position(|kind| *kind == self).unwrap_or(0) as u64;
-        Key { half, series: 1, kind, cell: 0, number }
+        Key { half, series: 1, kind: self as u64, cell: 0, number }
     }
 }
 
 /// Order of the poses.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+#[value(rename_all = "snake_case")]
 pub enum Order {
     Shuffled,
     Snake,
     JointByJoint,
-}
-
-impl Order {
-    pub fn word(self) -> &'static str {
-        match self {
-            Order::Shuffled => "shuffled",
-            Order::Snake => "snake",
-            Order::JointByJoint => "joint_by_joint",
-        }
-    }
 }
 
 /// Which optional columns the record has.
@@ -203,16 +155,16 @@ impl Description {
         };
         match kind {
             Kind::Power => {
-                one.cause = Some(draw.one(&INSIDE));
+                one.cause = Some(draw.one(Cause::with_family()));
                 one.size = 5.0;
                 fewer(&mut one, cell.parse().unwrap_or(60));
             }
             Kind::Outside => {
-                one.cause = Some(draw.one(&OUTSIDE));
+                one.cause = Some(draw.one(Cause::without_word()));
                 one.size = draw.logarithmic(2.0, 10.0);
                 let poses = draw.logarithmic(20.0, 1000.0).round() as usize;
                 fewer(&mut one, poses);
-                one.order = draw.one(&[Order::Shuffled, Order::Snake, Order::JointByJoint]);
+                one.order = draw.one(Order::all());
             }
             Kind::Null => one.heavy_tails = draw.chance(0.33),
             Kind::Memory => {
@@ -229,7 +181,7 @@ impl Description {
                 one.flicker_deg = draw.logarithmic(1e-5, 1e-4);
                 one.columns.visit = false;
                 one.targets = draw.one(&[2, 3]);
-                one.order = draw.one(&[Order::Shuffled, Order::Snake, Order::JointByJoint]);
+                one.order = draw.one(Order::all());
             }
             Kind::Columns => {
                 let missing = [0.0; 3].map(|_: f64| draw.chance(0.6));
@@ -237,7 +189,7 @@ impl Description {
                 one.columns.time = !missing[1];
                 one.columns.approach = !missing[2];
                 one.columns.temperature = draw.chance(0.5);
-                one.order = draw.one(&[Order::Shuffled, Order::Snake, Order::JointByJoint]);
+                one.order = draw.one(Order::all());
             }
             Kind::Joints => {
                 one.joint_noise = true;
@@ -255,8 +207,7 @@ impl Description {
             }
             Kind::Rows => one.outliers = 0.02,
             Kind::Unweighed => {
-                let word = cell.trim_end_matches(BARE);
-                one.cause = YIELDING.into_iter().find(|cause| cause.word() == word);
+                one.cause = Cause::named(cell.trim_end_matches(BARE));
                 one.size = 5.0;
                 let poses = draw.logarithmic(30.0, 100.0).round() as usize;
                 fewer(&mut one, poses);
@@ -266,13 +217,13 @@ impl Description {
             }
             Kind::Everything => {
                 one.cause = Some(Cause::Everything);
-                one.size = draw.logarithmic(everything::SIZES[0], everything::SIZES[1]);
-                fewer(&mut one, cell.parse().unwrap_or(everything::POSES[0]));
+                one.size = draw.logarithmic(amend::SIZES[0], amend::SIZES[1]);
+                fewer(&mut one, cell.parse().unwrap_or(amend::POSES[0]));
                 one.make = draw.one(&[Make::Elbow, Make::Elbow, Make::Tree]);
                 (one.joint_noise, one.columns.approach) = (true, true);
             }
             Kind::Words => {
-                one.cause = WORDS.into_iter().find(|cause| cause.word() == cell);
+                one.cause = Cause::named(cell);
                 one.size = 5.0;
                 fewer(&mut one, 130);
                 if let Some(cause) = one.cause {
@@ -298,17 +249,9 @@ impl Description {
         }
         self.columns.temperature = matches!(cause, Cause::WholeArm | Cause::Lubricant) || draw.chance(0.3);
         self.columns.approach = true;
-        let carries = [
-            Cause::Creep,
-            Cause::Lubricant,
-            Cause::TiltingBearing,
-            Cause::Bridge,
-            Cause::Ram,
-            Cause::Label,
-            Cause::Spring,
-        ];
-        self.loads |= carries.contains(&cause);
-        self.compliance |= carries.contains(&cause);
+        use Cause::{Bridge, Creep, Label, Lubricant, Ram, Spring, TiltingBearing};
+        let carries = matches!(cause, Creep | Lubricant | TiltingBearing | Bridge | Ram | Label | Spring);
+        (self.loads, self.compliance) = (self.loads | carries, self.compliance | carries);
     }
 
     /// Nothing hidden, nothing wrong.
@@ -372,10 +315,7 @@ mod tests {
         assert_eq!(of(Kind::Bad, "3").bad_poses, 3);
         assert_eq!(of(Kind::Stated, "3").stated, Some(3.0));
         assert!(!of(Kind::Flicker, "").columns.visit);
-        for kind in KINDS {
-            assert_eq!(Kind::named(kind.word()), Some(kind));
-            assert!(!kind.cells().is_empty());
-        }
+        assert!(Kind::all().iter().all(|kind| !kind.cells().is_empty()));
     }
 
     #[test]

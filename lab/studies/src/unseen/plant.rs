@@ -4,23 +4,13 @@
 //! are no noise.
 
 use super::cause::Cause;
-use super::compliances::{compliances, joint_loads};
 use super::description::{Description, Order};
-use super::hidden::Hidden;
-use super::pieces::Piece;
+use super::hidden::{Hidden, Piece};
 use super::robots::{Robot, robot};
 use super::stream::{Key, Part};
-use std::error::Error;
-use truepose_errormodel::effects::{Geometric, JointCompliance};
-use truepose_errormodel::{
-    AnyEffect, Dataset, DwellTolerance, ErrorModel, FittedModel, approach_from_order, visits_from_rows,
-};
-use truepose_identify::{FitOptions, Residuals, fit};
-use truepose_kinematics::{Chain, JointId, JointKind};
-use truepose_simulate::description::{InstrumentSize, PlantOptions, RepeatabilitySize, ShopDay};
-use truepose_simulate::flaws::{self, Flaws};
-use truepose_simulate::{Campaign, ChannelPlan, Observation, Plant, Wander};
-use truepose_solvers::PivotedQr;
+use crate::prelude::*;
+use truepose_errormodel::{Dwell, DwellTolerance, approach_from_order, visits_from_rows};
+use truepose_simulate::{Blunders, Wander};
 
 /// Fresh configurations at which a result is compared with the plant.
 const FRESH: usize = 150;
@@ -70,9 +60,11 @@ pub struct Ground<'a> {
 }
 
 /// Builds and measures the robot of a key.
-pub fn make(what: &Description, key: Key) -> Result<Made, Box<dyn Error>> {
+pub fn make(what: &Description, key: Key) -> Outcome<Made> {
     let robot = robot(what.make, what.targets, &mut key.draw(Part::Robot))?;
-    let loads = joint_loads(&robot)?;
+    let postures = Campaign::halton(&robot.chain, 40)?.visits.into_iter();
+    let conditions = postures.map(|visit| Conditions::at(&robot.chain, &visit.joints));
+    let loads = largest_loads(&robot.chain, conditions)?;
     let mut ground = Ground { what, key, robot, loads, campaign: Campaign::of(Vec::new()) };
     ground.campaign = ground.campaign(what.poses, what.repeats, Part::Campaign)?;
     ground.campaign.visit_s = VISIT_S;
@@ -86,7 +78,7 @@ pub fn make(what: &Description, key: Key) -> Result<Made, Box<dyn Error>> {
     let clean = ground.plant(None, false)?.observe(&ground.campaign, noise)?;
     let fresh = ground.clocked(ground.campaign(FRESH, 0, Part::Fresh)?);
     let shown = |plant: &Plant| plant.observe(&fresh, key.seed(Part::Fresh));
-    let exact = |plant: Plant| -> Result<Dataset, Box<dyn Error>> {
+    let exact = |plant: Plant| -> Outcome<Dataset> {
         let mut seen = shown(&plant)?;
         seen.data.position = seen.true_positions.iter().map(|p| (*p).into()).collect();
         seen.data.orientation.fill(None);
@@ -118,7 +110,7 @@ pub fn make(what: &Description, key: Key) -> Result<Made, Box<dyn Error>> {
 
 impl Ground<'_> {
     /// Poses in their order, with their loads and channels.
-    pub fn campaign(&self, poses: usize, repeats: usize, part: Part) -> Result<Campaign, Box<dyn Error>> {
+    pub fn campaign(&self, poses: usize, repeats: usize, part: Part) -> Outcome<Campaign> {
         let (chain, seed) = (&self.robot.chain, self.key.seed(part));
         let mut campaign = match self.what.order {
             Order::JointByJoint => {
@@ -170,7 +162,15 @@ impl Ground<'_> {
             ..flaws::Geometric::default()
         };
         let softness = what.cause.map_or(1.0, Cause::softness);
-        let compliances = compliances(&self.robot.chain, &self.loads, softness, &mut draw);
+        // Drives that turn by 0.05 to 0.4 mrad under their largest load, times the softness.
+        let largest = self.loads.iter().copied().fold(1e-3, f64::max);
+        let movable = self.robot.chain.movable().iter().zip(&self.loads);
+        let compliances: Vec<_> = movable
+            .map(|(&joint, load)| {
+                let angle = 1e-3 * softness * draw.logarithmic(0.05, 0.4);
+                spring(name_of(&self.robot.chain, joint), load.max(0.05 * largest) / angle)
+            })
+            .collect();
         let repeatability = if what.joint_noise || what.memory > 0.0 { 0.0 } else { what.noise_um[1] };
         let station = [draw.between(2.0, 4.0), draw.between(-2.0, 2.0), draw.between(0.0, 1.5)];
         // A tracker measures in its own frame.
@@ -202,13 +202,13 @@ impl Ground<'_> {
     }
 
     /// The plant with a cause of some size; with what went wrong in the record, or without.
-    fn plant(&self, hidden: Option<(&Hidden, f64)>, spoiled: bool) -> Result<Plant, Box<dyn Error>> {
+    fn plant(&self, hidden: Option<(&Hidden, f64)>, spoiled: bool) -> Outcome<Plant> {
         let what = self.what;
         let mut options = self.options();
         if let Some((hidden, size)) = hidden {
             if let Some(joint) = hidden.undeclared() {
-                let name = &self.robot.chain.joint(joint).name;
-                options.errors.joint_compliance.retain(|one| one.joint != *name);
+                let name = name_of(&self.robot.chain, joint);
+                options.errors.joint_compliance.retain(|one| one.joint != name);
             }
             hidden.options(&mut options, size);
         }
@@ -228,8 +228,8 @@ impl Ground<'_> {
             // Shared evenly by the joints, at a lever of the robot's reach.
             let count = self.robot.chain.movable().len() as f64;
             let sd = |joint: &JointId| {
-                let slide = self.robot.chain.joint(*joint).kind == JointKind::Prismatic;
-                2.0 * repeatability / count.sqrt() / if slide { 1.0 } else { self.robot.reach }
+                let lever = if slides(&self.robot.chain, *joint) { 1.0 } else { self.robot.reach };
+                2.0 * repeatability / count.sqrt() / lever
             };
             disturbances.joint_sd = self.robot.chain.movable().iter().map(sd).collect();
         }
@@ -238,33 +238,25 @@ impl Ground<'_> {
             disturbances.bad_size = BAD;
         }
         if let Some((hidden, size)) = hidden {
-            let mut truth = plant.truth().clone();
-            hidden.amend(&mut truth, &mut plant.disturbances, size)?;
-            let shop = plant.shop.clone();
-            let wrong = (&mut truth, &mut plant.disturbances, &mut plant.blunders);
-            hidden.amend_words(&self.robot.chain, &shop, wrong, size)?;
-            plant = plant.with_truth(truth)?;
+            hidden.amend(&mut plant, size)?;
         }
         Ok(plant)
     }
 
     /// The same robot, measured without noise.
-    pub fn quiet(&self, hidden: Option<(&Hidden, f64)>) -> Result<Plant, Box<dyn Error>> {
-        let mut plant = self.plant(hidden, false)?;
-        plant.instrument.sd = 0.0;
-        plant.instrument.transverse_per_metre = 0.0;
+    pub fn quiet(&self, hidden: Option<(&Hidden, f64)>) -> Outcome<Plant> {
+        let mut plant = noise_free(&self.plant(hidden, false)?);
         plant.instrument.orientation_sd = None;
-        plant.repeatability.sd = 0.0;
         let (station, beam) = (plant.disturbances.station, plant.disturbances.beam);
-        plant.disturbances = truepose_simulate::Disturbances { station, beam, ..Default::default() };
+        plant.disturbances = Disturbances { station, beam, ..Default::default() };
         Ok(plant)
     }
 
     /// 3-D RMS of the noise of one row, m.
-    fn floor(&self, null: &Plant) -> Result<f64, Box<dyn Error>> {
+    fn floor(&self, null: &Plant) -> Outcome<f64> {
         let mut plant = null.clone();
         plant.disturbances.bad_poses = 0;
-        plant.blunders = truepose_simulate::Blunders::default();
+        plant.blunders = Blunders::default();
         let (mut sum, mut count) = (0.0, 0);
         for k in 0..REPLICATES {
             let seen = plant.observe(&self.campaign, self.key.seed(Part::Replicates) ^ k)?;
@@ -277,7 +269,7 @@ impl Ground<'_> {
     }
 
     pub fn declared(&self, hidden: Option<&Hidden>) -> Vec<Box<dyn AnyEffect>> {
-        let mut effects: Vec<Box<dyn AnyEffect>> = vec![Box::new(Geometric::default())];
+        let mut effects = constant_errors();
         if self.what.compliance {
             let left_out = hidden.and_then(Hidden::undeclared);
             let joints = self.robot.chain.movable().iter().copied().filter(|joint| Some(*joint) != left_out);
@@ -289,7 +281,7 @@ impl Ground<'_> {
     /// A record as a reader has it: columns that are missing are derived or empty.
     fn read(&self, data: &Dataset) -> Dataset {
         let (mut data, columns) = (data.clone(), self.what.columns);
-        data.dwell = truepose_errormodel::Dwell::of(&self.robot.chain, DwellTolerance::default());
+        data.dwell = Dwell::of(&self.robot.chain, DwellTolerance::default());
         if !columns.visit {
             data.visit = visits_from_rows(&data);
         }
@@ -304,28 +296,15 @@ impl Ground<'_> {
     }
 }
 
-/// A declared model, fitted to all rows.
-pub fn declared_fit(
-    chain: &Chain,
-    declared: &[Box<dyn AnyEffect>],
-    data: &Dataset,
-    options: &FitOptions,
-) -> Result<FittedModel, Box<dyn Error>> {
-    let model = ErrorModel::new(chain.clone(), declared.to_vec())?;
-    Ok(fit(&model, data, &PivotedQr::default(), options)?.fitted)
-}
-
 /// 3-D RMS error of a fit at configurations with known positions, m.
-pub fn fresh_error(truth: &Dataset, fitted: &FittedModel) -> Result<f64, Box<dyn Error>> {
+pub fn fresh_error(truth: &Dataset, fitted: &FittedModel) -> Outcome<f64> {
     Ok(Residuals::of(fitted, truth)?.positions().rms)
 }
 
 #[cfg(test)]
 mod tests {
     use super::super::description::Kind;
-    use super::super::stream::Half;
     use super::*;
-    use truepose_identify::PriorStrength;
 
     fn of(kind: Kind, cell: &str, number: u64) -> (Description, Made) {
         let key = kind.key(Half::Tuning, number);
@@ -348,7 +327,7 @@ mod tests {
         assert!((0..null.truth.len()).all(|row| apart(row) < 1e-12));
         // A dense fit of the clean record predicts the truth far below the noise of a row.
         let options = FitOptions { prior: PriorStrength::VarianceGroups, ..FitOptions::default() };
-        let fitted = declared_fit(&null.robot.chain, &null.declared, &null.clean, &options).expect("a fit");
+        let fitted = fitted(&null.robot.chain, &null.declared, &null.clean, &options).expect("a fit").fitted;
         assert!(fresh_error(&null.truth, &fitted).expect("an error") < 2.0 * null.floor);
     }
 

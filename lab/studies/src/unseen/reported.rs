@@ -1,5 +1,11 @@
 //! What the program reports, read from `discovery.json`. A field that a version does not write is absent, never an error.
+//!
+//! One line a robot: what it was, what was reported, what is true. A cell that is missing is not reported, or does not apply.
 
+use super::description::Kind;
+use super::stream::Key;
+use crate::prelude::*;
+use serde::de::DeserializeOwned;
 use serde_json::Value;
 
 /// A name that is reported, with its probability where one is.
@@ -35,7 +41,6 @@ pub struct Reported {
     pub floor_ci95_mm: Option<[f64; 2]>,
     pub significant: Option<bool>,
     pub p_value: Option<f64>,
-    pub unexplained_mm: Option<f64>,
     pub autocorrelation: Option<f64>,
     pub effects: Vec<Effect>,
     /// Held-out 3-D RMS and its interval, before and after, mm.
@@ -58,32 +63,25 @@ impl Effect {
 
 impl Reported {
     pub fn of(json: &Value) -> Self {
-        let number = |path: &str| json.pointer(path).and_then(Value::as_f64);
-        let text = |path: &str| json.pointer(path).and_then(Value::as_str).map(str::to_owned);
-        let side = |side: &str| {
-            // Without rows that are reported as outliers, where there are any: the figure that is printed.
+        // Without rows that are reported as outliers, where there are any: the figure that is printed.
+        let part = |side: &str| {
             let without = format!("/{side}/holdout_without_outliers");
-            let part = if json.pointer(&without).is_some_and(|value| !value.is_null()) {
-                without
-            } else {
-                format!("/{side}/holdout")
-            };
-            (number(&format!("{part}/rms_mm")), pair(json.pointer(&format!("{part}/ci95_mm"))))
+            let there = json.pointer(&without).is_some_and(|value| !value.is_null());
+            if there { without } else { format!("/{side}/holdout") }
         };
-        let (before, after) = (side("before"), side("after"));
+        let parts = ["before", "after"].map(part);
         Reported {
-            verdict: text("/verdict"),
-            floor_mm: number("/noise_floor/rms_mm").or_else(|| number("/noise_floor_mm")),
-            floor_source: text("/noise_floor/source"),
-            floor_ci95_mm: pair(json.pointer("/noise_floor/ci95_mm")),
-            significant: json.pointer("/unexplained/significant").and_then(Value::as_bool),
-            p_value: number("/unexplained/p_value"),
-            unexplained_mm: number("/unexplained/rms_mm"),
-            autocorrelation: number("/dependence/autocorrelation"),
-            effects: list(json.get("effects")).iter().map(effect).collect(),
-            holdout: [before.0, after.0],
-            holdout_ci95: [before.1, after.1],
-            gain_ci95: pair(json.pointer("/gain/ci95_mm")).or_else(|| pair(json.get("gain_ci95_mm"))),
+            verdict: at(json, "/verdict"),
+            floor_mm: at(json, "/noise_floor/rms_mm").or_else(|| at(json, "/noise_floor_mm")),
+            floor_source: at(json, "/noise_floor/source"),
+            floor_ci95_mm: at(json, "/noise_floor/ci95_mm"),
+            significant: at(json, "/unexplained/significant"),
+            p_value: at(json, "/unexplained/p_value"),
+            autocorrelation: at(json, "/dependence/autocorrelation"),
+            effects: list(json, "/effects").iter().map(effect).collect(),
+            holdout: [0, 1].map(|k| at(json, &format!("{}/rms_mm", parts[k]))),
+            holdout_ci95: [0, 1].map(|k| at(json, &format!("{}/ci95_mm", parts[k]))),
+            gain_ci95: at(json, "/gain/ci95_mm").or_else(|| at(json, "/gain_ci95_mm")),
         }
     }
 
@@ -93,39 +91,90 @@ impl Reported {
     }
 }
 
-fn list(value: Option<&Value>) -> &[Value] {
-    value.and_then(Value::as_array).map_or(&[], Vec::as_slice)
+/// What is at a place of the report; none where there is nothing, or something else.
+fn at<T: DeserializeOwned>(json: &Value, path: &str) -> Option<T> {
+    serde_json::from_value(json.pointer(path)?.clone()).ok()
 }
 
-fn pair(value: Option<&Value>) -> Option<[f64; 2]> {
-    match list(value) {
-        [low, high] => Some([low.as_f64()?, high.as_f64()?]),
-        _ => None,
-    }
+fn list(json: &Value, path: &str) -> Vec<Value> {
+    at(json, path).unwrap_or_default()
 }
 
 fn name(json: &Value, probability: &str) -> Name {
-    let text = |key: &str| json.get(key).and_then(Value::as_str).map(str::to_owned);
     Name {
-        family: text("family").unwrap_or_default(),
-        joint: text("joint"),
-        probability: json.get(probability).and_then(Value::as_f64),
-        equivalent: json.get("equivalent").and_then(Value::as_bool).unwrap_or(false),
+        family: at(json, "/family").unwrap_or_default(),
+        joint: at(json, "/joint"),
+        probability: at(json, probability),
+        equivalent: at(json, "/equivalent").unwrap_or(false),
     }
 }
 
 fn effect(json: &Value) -> Effect {
-    let number = |key: &str| json.get(key).and_then(Value::as_f64);
-    let whole = |key: &str| -> Vec<usize> {
-        list(json.get(key)).iter().filter_map(Value::as_u64).map(|v| v as usize).collect()
-    };
+    let whole = |path: &str| at::<Vec<usize>>(json, path).unwrap_or_default();
     Effect {
-        name: name(json, "name_probability"),
-        p_value: number("p_value"),
-        unnamed: number("unnamed_probability"),
-        alternatives: list(json.get("alternatives")).iter().map(|one| name(one, "probability")).collect(),
-        rows: whole("rows"),
-        poses: [whole("poses"), whole("visits")].concat(),
+        name: name(json, "/name_probability"),
+        p_value: at(json, "/p_value"),
+        unnamed: at(json, "/unnamed_probability"),
+        alternatives: list(json, "/alternatives").iter().map(|one| name(one, "/probability")).collect(),
+        rows: whole("/rows"),
+        poses: [whole("/poses"), whole("/visits")].concat(),
+    }
+}
+
+/// One robot.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Record(BTreeMap<String, String>);
+
+impl Record {
+    pub fn new(key: Key, kind: Kind, cell: &str) -> Self {
+        let mut record = Record(BTreeMap::new());
+        record.set("half", key.half.word());
+        record.set("kind", kind.word());
+        record.set("cell", cell);
+        record.set("number", key.number);
+        record
+    }
+
+    /// Fills a cell.
+    pub fn set(&mut self, column: &str, value: impl ToString) {
+        self.0.insert(column.into(), value.to_string().replace([',', '\n', '\r', '"'], " "));
+    }
+
+    /// Fills a cell where there is a value.
+    pub fn set_some(&mut self, column: &str, value: Option<impl ToString>) {
+        if let Some(value) = value {
+            self.set(column, value);
+        }
+    }
+
+    pub fn text(&self, column: &str) -> &str {
+        self.0.get(column).map_or("", String::as_str)
+    }
+
+    pub fn number(&self, column: &str) -> Option<f64> {
+        self.text(column).parse().ok()
+    }
+
+    pub fn yes(&self, column: &str) -> Option<bool> {
+        self.text(column).parse().ok()
+    }
+
+    pub fn is(&self, half: Half, kind: Kind, cell: &str, number: u64) -> bool {
+        self.text("half") == half.word()
+            && self.text("kind") == kind.word()
+            && self.text("cell") == cell
+            && self.text("number") == number.to_string()
+    }
+
+    /// Whether a plant was made and the search came to its end.
+    pub fn ended(&self) -> bool {
+        self.text("ended") == "yes"
+    }
+
+    /// By half, kind, cell and number: the order of lines does not depend on threads or interruptions.
+    pub fn order(&self) -> (String, String, String, u64) {
+        let text = |column: &str| self.text(column).to_owned();
+        (text("half"), text("kind"), text("cell"), self.text("number").parse().unwrap_or(u64::MAX))
     }
 }
 

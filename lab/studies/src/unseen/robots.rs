@@ -7,14 +7,12 @@
 //! | `scara` | two parallel joints, a slide, a turn |
 //! | `gantry` | three slides, a wrist of two or three joints |
 
-use super::stream::Draw;
-use std::error::Error;
+use crate::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI};
-use truepose_kinematics::nalgebra::{Matrix3, Point3, Rotation3, Unit, UnitQuaternion, Vector3};
-use truepose_kinematics::{Chain, Joint, JointKind, Link, Placed, Placement, Pose, Target};
+use truepose_kinematics::nalgebra::{Point3, Rotation3, Unit, UnitQuaternion};
 
 /// A make of robots.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Make {
     Elbow,
     Tree,
@@ -24,17 +22,6 @@ pub enum Make {
 
 /// Two in three have six revolute joints.
 pub const MAKES: [Make; 6] = [Make::Elbow, Make::Elbow, Make::Tree, Make::Tree, Make::Scara, Make::Gantry];
-
-impl Make {
-    pub fn word(self) -> &'static str {
-        match self {
-            Make::Elbow => "elbow",
-            Make::Tree => "tree",
-            Make::Scara => "scara",
-            Make::Gantry => "gantry",
-        }
-    }
-}
 
 /// A robot as it is described, and its size.
 pub struct Robot {
@@ -47,19 +34,15 @@ pub struct Robot {
 
 impl Robot {
     /// The same, as someone describes it who does not know the weights of its links.
-    pub fn without_weights(self) -> Result<Self, Box<dyn Error>> {
-        let joints: Vec<Joint> =
-            self.chain.joints().iter().map(|joint| Joint { link: None, ..joint.clone() }).collect();
-        let chain = Chain::new(self.chain.name(), joints)?
-            .with_base(*self.chain.base())?
-            .with_tool(*self.chain.tool())?
-            .with_targets(self.chain.targets().to_vec())?;
+    pub fn without_weights(self) -> Outcome<Self> {
+        let joints = self.chain.joints().iter().map(|joint| Joint { link: None, ..joint.clone() });
+        let chain = with_joints(&self.chain, joints.collect())?;
         Ok(Robot { chain, ..self })
     }
 }
 
 /// Draws a robot with this many targets.
-pub fn robot(make: Make, targets: usize, draw: &mut Draw) -> Result<Robot, Box<dyn Error>> {
+pub fn robot(make: Make, targets: usize, draw: &mut Draw) -> Outcome<Robot> {
     let scale = draw.logarithmic(0.4, 1.6);
     let joints = match make {
         Make::Elbow => elbow(scale, draw),
@@ -73,14 +56,9 @@ pub fn robot(make: Make, targets: usize, draw: &mut Draw) -> Result<Robot, Box<d
         [0.03 * scale * draw.normal(), 0.03 * scale * draw.normal(), scale * draw.between(0.05, 0.2)],
         turned(draw, 0.3),
     );
-    let list = (0..targets).map(|k| Target {
-        name: format!("T{}", k + 1),
-        position: Vector3::from_fn(|_, _| draw.normal()).normalize() * scale * draw.between(0.05, 0.14),
-        known: true,
-        tool: truepose_kinematics::ToolId::FIRST,
-    });
-    let list = list.collect();
-    let known = |pose| Placed { pose, known: true };
+    let list = (0..targets)
+        .map(|k| target(format!("T{}", k + 1), draw.direction() * scale * draw.between(0.05, 0.14)))
+        .collect();
     let chain = Chain::new(make.word(), joints)?
         .with_base(known(base))?
         .with_tool(known(tool))?
@@ -227,10 +205,8 @@ impl Design {
 
 #[cfg(test)]
 mod tests {
-    use super::super::stream::{Half, Key, Part};
+    use super::super::stream::{Key, Part};
     use super::*;
-    use truepose_kinematics::Conditions;
-    use truepose_simulate::{Campaign, Plant};
 
     #[test]
     fn every_robot_reaches_places_apart_and_no_two_are_alike() {

@@ -3,15 +3,10 @@
 //! The model is fitted to a dense noise-free campaign (`REFERENCE` poses, in the same order and time); the 3-D RMS of what
 //! remains is a multiple of the 3-D RMS of one row's noise. So it does not depend on how many poses are measured.
 
-use super::hidden::Hidden;
-use super::pieces::Piece;
+use super::hidden::{Hidden, Piece};
 use super::plant::Ground;
 use super::stream::Part;
-use std::error::Error;
-use truepose_errormodel::ErrorModel;
-use truepose_identify::{FitOptions, NoiseModel, NoiseSource, PriorStrength, Residuals, fit};
-use truepose_simulate::Campaign;
-use truepose_solvers::PivotedQr;
+use crate::prelude::*;
 
 /// Poses of the dense campaign.
 const REFERENCE: usize = 200;
@@ -31,7 +26,7 @@ pub struct SizedCause {
 
 impl Ground<'_> {
     /// The cause with the wanted size.
-    pub fn cause(&self, floor: f64) -> Result<Option<SizedCause>, Box<dyn Error>> {
+    pub fn cause(&self, floor: f64) -> Outcome<Option<SizedCause>> {
         let Some(cause) = self.what.cause else { return Ok(None) };
         let mut draw = self.key.draw(Part::Cause);
         let reference = self.clocked(self.campaign(REFERENCE, 0, Part::Reference)?);
@@ -43,8 +38,7 @@ impl Ground<'_> {
             if cause.has_a_size_of_its_own() {
                 let nothing = self.left(&hidden, None, &reference)?;
                 let left = self.left(&hidden, Some(1.0), &reference)?;
-                let left = (left * left - nothing * nothing).max(0.0).sqrt();
-                return Ok(Some(SizedCause { hidden, size: 1.0, reached: left / floor }));
+                return Ok(Some(SizedCause { hidden, size: 1.0, reached: without(left, nothing) / floor }));
             }
             if let Some((size, left)) = self.size(&hidden, &reference, floor)? {
                 return Ok(Some(SizedCause { hidden, size, reached: left / floor }));
@@ -54,25 +48,20 @@ impl Ground<'_> {
     }
 
     /// Each of several causes at once with what the declared model cannot absorb of it alone, over the noise; the largest first.
-    pub fn pieces(&self, cause: &SizedCause, floor: f64) -> Result<Vec<(Piece, f64)>, Box<dyn Error>> {
+    pub fn pieces(&self, cause: &SizedCause, floor: f64) -> Outcome<Vec<(Piece, f64)>> {
         let reference = self.clocked(self.campaign(REFERENCE, 0, Part::Reference)?);
         let nothing = self.left(&cause.hidden, None, &reference)?;
-        let one = |(number, piece): (usize, &Piece)| -> Result<_, Box<dyn Error>> {
+        let one = |(number, piece): (usize, &Piece)| -> Outcome<(Piece, f64)> {
             let hidden = Hidden { only: Some(number), ..cause.hidden.clone() };
             let left = self.left(&hidden, Some(cause.size), &reference)?;
-            Ok((piece.clone(), (left * left - nothing * nothing).max(0.0).sqrt() / floor))
+            Ok((piece.clone(), without(left, nothing) / floor))
         };
         let mut pieces = cause.hidden.pieces.iter().enumerate().map(one).collect::<Result<Vec<_>, _>>()?;
         pieces.sort_by(|a, b| b.1.total_cmp(&a.1));
         Ok(pieces)
     }
 
-    fn size(
-        &self,
-        hidden: &Hidden,
-        reference: &Campaign,
-        floor: f64,
-    ) -> Result<Option<(f64, f64)>, Box<dyn Error>> {
+    fn size(&self, hidden: &Hidden, reference: &Campaign, floor: f64) -> Outcome<Option<(f64, f64)>> {
         let goal = self.what.size * floor;
         let nothing = self.left(hidden, None, reference)?;
         let (mut size, mut before): (f64, Option<(f64, f64)>) = (1.0, None);
@@ -83,7 +72,7 @@ impl Ground<'_> {
                 continue;
             };
             // What the declared model leaves of the robot without the cause is no part of it.
-            let left = (left * left - nothing * nothing).max(0.0).sqrt();
+            let left = without(left, nothing);
             if left < 1e-10 {
                 return Ok(None);
             }
@@ -103,10 +92,9 @@ impl Ground<'_> {
     }
 
     /// What the declared model leaves of a noise-free campaign, 3-D RMS, m.
-    fn left(&self, hidden: &Hidden, size: Option<f64>, reference: &Campaign) -> Result<f64, Box<dyn Error>> {
+    fn left(&self, hidden: &Hidden, size: Option<f64>, reference: &Campaign) -> Outcome<f64> {
         let plant = self.quiet(size.map(|size| (hidden, size)))?;
         let data = plant.measure(reference, self.key.seed(Part::Reference))?;
-        let model = ErrorModel::new(self.robot.chain.clone(), self.declared(Some(hidden)))?;
         let options = FitOptions {
             noise: NoiseSource::Fixed(NoiseModel { position_sd: 1e-5, visit_sd: 0.0, orientation_sd: 1e-4 }),
             // As good as none, but for directions that nothing excites.
@@ -114,7 +102,12 @@ impl Ground<'_> {
             max_iterations: 20,
             ..FitOptions::default()
         };
-        let fitted = fit(&model, &data, &PivotedQr::default(), &options)?.fitted;
-        Ok(Residuals::of(&fitted, &data)?.positions().rms)
+        let found = fitted(&self.robot.chain, &self.declared(Some(hidden)), &data, &options)?;
+        Ok(Residuals::of(&found.fitted, &data)?.positions().rms)
     }
+}
+
+/// What is left without a part of it that is independent.
+pub(super) fn without(all: f64, part: f64) -> f64 {
+    (all * all - part * part).max(0.0).sqrt()
 }

@@ -11,49 +11,7 @@
 //! their highest bit, so that no plant, campaign or noise of one half can occur in the other. A later series of a half is
 //! for a locked half that was looked at: other robots of the same description.
 
-pub use crate::draw::Draw;
-
-/// A half of the robots.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum Half {
-    /// For development: may be run and studied at any time.
-    Tuning,
-    /// For publication: run once at a commit, never while a constant is chosen.
-    Locked,
-}
-
-impl Half {
-    pub fn named(word: &str) -> Option<Self> {
-        [Half::Tuning, Half::Locked].into_iter().find(|half| half.word() == word)
-    }
-
-    pub fn word(self) -> &'static str {
-        match self {
-            Half::Tuning => "tuning",
-            Half::Locked => "locked",
-        }
-    }
-
-    /// The letters TUNE and LOCK.
-    fn constant(self) -> u64 {
-        match self {
-            Half::Tuning => 0x5455_4e45,
-            Half::Locked => 0x4c4f_434b,
-        }
-    }
-
-    /// The name of the tables of a series: the half, with the number of a later series.
-    pub fn part(self, series: u64) -> String {
-        match series {
-            1 => self.word().to_owned(),
-            later => format!("{}-{later}", self.word()),
-        }
-    }
-
-    fn bit(self) -> u64 {
-        u64::from(self == Half::Locked)
-    }
-}
+use crate::prelude::*;
 
 /// What is drawn; each part has a stream of its own, so that one more draw leaves the other parts as they were.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -87,12 +45,12 @@ impl Key {
     pub fn draw(self, part: Part) -> Draw {
         let earlier = self.series.saturating_sub(1);
         let seed = earlier << 48 | self.kind << 40 | self.cell << 32 | self.number;
-        Draw::of(seed, self.half.constant() << 32 | part as u64)
+        Draw::of(seed, self.half.letters() << 32 | part as u64)
     }
 
     /// A seed for a part, of this half alone.
     pub fn seed(self, part: Part) -> u64 {
-        self.draw(part).seed() | self.half.bit() << 63
+        self.draw(part).seed() | u64::from(self.half == Half::Locked) << 63
     }
 }
 
@@ -101,17 +59,10 @@ mod tests {
     use super::*;
     use std::collections::HashSet;
 
-    const PARTS: [Part; 9] = [
-        Part::Description,
-        Part::Robot,
-        Part::Cause,
-        Part::Plant,
-        Part::Campaign,
-        Part::Noise,
-        Part::Replicates,
-        Part::Fresh,
-        Part::Reference,
-    ];
+    const PARTS: [Part; 9] = {
+        use Part::*;
+        [Description, Robot, Cause, Plant, Campaign, Noise, Replicates, Fresh, Reference]
+    };
 
     fn keys(half: Half, series: u64) -> impl Iterator<Item = Key> {
         (0..12).flat_map(move |kind| (0..200).map(move |number| Key { half, series, kind, cell: 0, number }))
@@ -158,14 +109,5 @@ mod tests {
         assert_ne!(numbers(key), numbers(Key { number: 18, ..key }));
         assert_ne!(numbers(key), numbers(Key { cell: 1, ..key }));
         assert_eq!(key.seed(Part::Noise), key.seed(Part::Noise));
-    }
-
-    #[test]
-    fn words_of_halves_come_back() {
-        for half in [Half::Tuning, Half::Locked] {
-            assert_eq!(Half::named(half.word()), Some(half));
-        }
-        assert_eq!(Half::named("both"), None);
-        assert_eq!((Half::Locked.part(1), Half::Locked.part(2)), ("locked".into(), "locked-2".into()));
     }
 }
