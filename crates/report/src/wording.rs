@@ -95,11 +95,15 @@ pub fn warning_text(warning: &Warning) -> String {
             count(*observations, "scalar observation"),
             count(*unknowns, "unknown")
         ),
-        Warning::NotConverged { rounds } => {
+        Warning::NotConverged { rounds, all } => {
             format!(
                 "NOT CONVERGED: the fit still moved after {}; no figure of it is final, and coefficients and intervals may be far off. \
-                 Measure more varied configurations, declare fewer effects, or raise --rounds",
-                count(*rounds, "iteration")
+                 Measure more varied configurations, {}",
+                count(*rounds, "iteration"),
+                match all {
+                    true => "declare fewer effects, or raise --rounds",
+                    false => "or declare fewer effects; more rounds do not help, as no step made the fit better",
+                }
             )
         }
         Warning::NoEffect { column } => format!(

@@ -25,6 +25,8 @@ pub enum Warning {
     NotConverged {
         /// How many were taken.
         rounds: usize,
+        /// Whether they were all that the options allow; otherwise no step made the fit better.
+        all: bool,
     },
     /// An unknown that is no constant error has no effect on anything in this data (no load, a channel that never moves).
     NoEffect {

@@ -80,7 +80,7 @@ pub(crate) fn fit(
                 .collect();
             found.warnings.extend(more);
             if moved > 1e-2 {
-                found.warnings.push(Warning::NotConverged { rounds: found.rounds });
+                found.warnings.push(Warning::NotConverged { rounds: found.rounds, all: true });
                 found.converged = false;
             }
             return Ok(found);

@@ -125,7 +125,7 @@ impl StreamedRun {
         }
         (whole.rounds, whole.converged) = (self.rounds, converged);
         if !converged {
-            whole.warnings.push(Warning::NotConverged { rounds: self.rounds });
+            whole.warnings.push(Warning::NotConverged { rounds: self.rounds, all: true });
         }
         whole.fitted.domain = sums.domain.clone();
         // From `at` on, and now from the solution on.

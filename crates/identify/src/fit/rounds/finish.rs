@@ -35,7 +35,10 @@ impl State<'_> {
             .with_repeatability(self.noise.visit_sd);
         let mut warnings = warnings::of(self.model, &reduction, self.observations);
         if !outcome.converged {
-            warnings.push(Warning::NotConverged { rounds: outcome.rounds });
+            warnings.push(Warning::NotConverged {
+                rounds: outcome.rounds,
+                all: outcome.rounds >= self.options.max_iterations,
+            });
         }
         let mut fit = Fit {
             fitted,
