@@ -4,15 +4,17 @@
 //! //POS
 //! ///TOOL n   ///USER n   ///POSTYPE PULSE|BASE|ROBOT|USER   ///RCONF …
 //! C00001=n,n,n,n,n,n                     pulses of the axes, or X,Y,Z in mm and Rx,Ry,Rz in degrees
-//! //INST      (MOVJ|MOVL|MOVC|MOVS) C00001 …
+//! //INST      (MOVJ|MOVL|MOVC|MOVS) C00001 …     another motion is refused
 //! ```
 //!
 //! The values of user frames and tools are in the controller: `USER 1`, `TOOL 0` name them.
 
 use crate::lines::{Line, lines};
 use crate::number::{Form, Slot, number_at};
-use crate::program::{Branch, Definitions, Note, Point, Reference, Step, Value};
+use crate::program::{Branch, Definitions, Note, Point, Reference, Value};
+use crate::route::{Event, Visit};
 use crate::{ControllerError, Dialect, Program};
+use std::collections::HashMap;
 
 pub(crate) fn read(text: &[u8], _others: &[&[u8]]) -> Result<Program, ControllerError> {
     let lines = lines(text);
@@ -28,13 +30,28 @@ pub(crate) fn read(text: &[u8], _others: &[&[u8]]) -> Result<Program, Controller
             points.extend(state.line(text, line));
         }
     }
-    let mut order = Vec::new();
-    let mut notes = Vec::new();
+    let mut job =
+        Job { places: HashMap::new(), jumps: false, shift: None, route: Vec::new(), notes: Vec::new() };
+    for (k, point) in points.iter().enumerate() {
+        job.places.extend(key(&point.name).map(|key| (key, k)));
+    }
+    job.jumps = lines
+        .iter()
+        .skip(inst + 1)
+        .any(|line| ["JUMP", "CALL", "PSTART"].iter().any(|word| line.after(word).is_some()));
     for line in lines.iter().skip(inst + 1) {
-        instruction(line, &mut points, &mut order, &mut notes);
+        job.instruction(line, &mut points);
     }
     let definitions = Definitions::default();
-    Ok(Program { dialect: Dialect::Inform, text: text.to_vec(), points, definitions, order, notes })
+    let route = vec![job.route];
+    Ok(Program {
+        dialect: Dialect::Inform,
+        text: text.to_vec(),
+        points,
+        definitions,
+        route,
+        notes: job.notes,
+    })
 }
 
 /// What the lines before say of the positions that follow.
@@ -145,44 +162,108 @@ fn key(name: &str) -> Option<(char, u64)> {
         .map(|number| (letter, number))
 }
 
-fn instruction(line: &Line<'_>, points: &mut [Point], order: &mut Vec<Step>, notes: &mut Vec<Note>) {
-    let text = String::from_utf8_lossy(line.bytes);
-    let text = text.split('\'').next().unwrap_or("").trim();
-    let mut words = text.split_whitespace();
-    let Some(verb) = words.next().filter(|verb| !verb.starts_with('/')) else { return };
-    let named: Vec<(char, u64)> =
-        text.split(|c: char| !c.is_ascii_alphanumeric()).skip(1).filter_map(key).collect();
-    let moves = ["MOVJ", "MOVL", "MOVC", "MOVS"].contains(&verb);
-    if verb == "SFTON" || verb == "IMOV" {
-        let words = format!("{verb} in line {} displaces positions while the job runs", line.number);
-        if verb == "SFTON" {
-            points.iter_mut().for_each(|point| {
-                point.fixed.get_or_insert_with(|| words.clone());
-            });
-        } else {
-            notes.push(Note::refusing(line.number, text.into(), words));
-            order.push(Step::Elsewhere);
+/// Instructions that use a point and move nothing there: reference points of weaving and of the tool's direction.
+const REFERENCES: [&str; 1] = ["REFP"];
+
+/// Words behind a point that leave it where it is.
+const HARMLESS: [&str; 12] =
+    ["NWAIT", "UNTIL", "FPT", "SRCH", "ON", "OFF", "AND", "OR", "FINE", "ALL", "ENWAIT", "SAVE"];
+
+/// What the instructions of a job do.
+struct Job {
+    places: HashMap<(char, u64), usize>,
+    /// Whether the order of the lines is not that in which they run.
+    jumps: bool,
+    /// The line of a shift that is on.
+    shift: Option<usize>,
+    route: Vec<Event>,
+    notes: Vec<Note>,
+}
+
+impl Job {
+    fn instruction(&mut self, line: &Line<'_>, points: &mut [Point]) {
+        let text = String::from_utf8_lossy(line.bytes);
+        let text = text.split('\'').next().unwrap_or("").trim();
+        let mut words = text.split_whitespace();
+        let Some(verb) = words.next().filter(|verb| !verb.starts_with('/')) else { return };
+        // `+MOVL`, `SMOVL`: of robots that work together.
+        let bare = verb.trim_start_matches('+');
+        let linear = ["MOVL", "MOVC", "MOVS"].contains(&bare);
+        let named: Vec<(char, u64)> =
+            text.split(|c: char| !c.is_ascii_alphanumeric()).skip(1).filter_map(key).collect();
+        match verb {
+            "SFTON" => self.shifted(line.number, points),
+            "SFTOF" => self.shift = None,
+            "MOVJ" | "MOVL" | "MOVC" | "MOVS" => {
+                let options = text.split_whitespace().skip(1).filter(|word| key(word).is_none());
+                let odd = |word: &&str| !harmless(word);
+                if let Some(word) = options.into_iter().find(odd) {
+                    let words = format!("`{word}` behind its point is not understood");
+                    self.notes.push(Note::refusing(line.number, text.into(), words));
+                }
+                let at = named.first().and_then(|name| self.places.get(name)).copied();
+                self.route.push(Visit::event(at.into_iter().collect(), linear));
+                let name = named.first().map(|name| format!("{}{:05}", name.0, name.1));
+                let name = name.unwrap_or_else(|| words.next().unwrap_or(verb).into());
+                match at {
+                    Some(at) => self.displaced(&mut points[at]),
+                    None => self.notes.push(Note::missing(line.number, text.into(), name)),
+                }
+            }
+            _ if verb.contains("IMOV") => {
+                let words =
+                    format!("{verb} in line {} moves by a distance from where the robot is", line.number);
+                self.notes.push(Note::refusing(line.number, text.into(), words));
+                self.route.push(Visit::event(Vec::new(), true));
+            }
+            _ if verb.contains("MOV") => {
+                let words = "a motion that is not understood: where the robot moves is not known";
+                self.notes.push(Note::refusing(line.number, text.into(), words.into()));
+                self.route.push(Visit::event(Vec::new(), false));
+            }
+            "GETPOS" => {
+                let words = "a position is computed from a step of the job: from a compensated point it comes out displaced";
+                self.notes.push(Note::refusing(line.number, text.into(), words.into()));
+            }
+            _ => {
+                let used = named.iter().filter_map(|name| self.places.get(name));
+                let why = match REFERENCES.contains(&verb) {
+                    true => format!(
+                        "{verb} in line {} uses it as a reference point, not as a destination",
+                        line.number
+                    ),
+                    false => format!("{verb} in line {} uses it", line.number),
+                };
+                used.for_each(|&k| {
+                    points[k].fixed.get_or_insert_with(|| why.clone());
+                });
+            }
         }
-        return;
     }
-    let Some(first) = named.first() else {
-        if moves {
-            order.push(Step::Elsewhere);
-            notes.push(Note::missing(line.number, text.into(), words.next().unwrap_or(verb).into()));
-        }
-        return;
-    };
-    if moves {
-        let at = points.iter().position(|point| key(&point.name) == Some(*first));
-        order.push(at.map_or(Step::Elsewhere, Step::Point));
-        if at.is_none() {
-            notes.push(Note::missing(line.number, text.into(), format!("{}{:05}", first.0, first.1)));
-        }
-        return;
-    }
-    for name in named {
-        for point in points.iter_mut().filter(|point| key(&point.name) == Some(name)) {
-            point.fixed.get_or_insert_with(|| format!("{verb} in line {} uses it", line.number));
+
+    /// A shift begins.
+    fn shifted(&mut self, line: usize, points: &mut [Point]) {
+        self.shift = Some(line);
+        // Where lines run in another order, or other jobs are called, every point may be displaced.
+        if self.jumps {
+            points.iter_mut().for_each(|point| self.displaced(point));
         }
     }
+
+    fn displaced(&self, point: &mut Point) {
+        if let Some(line) = self.shift {
+            let words = format!("SFTON in line {line} displaces positions while the job runs");
+            point.fixed.get_or_insert(words);
+        }
+    }
+}
+
+/// `V=93.0`, `CV#(1)`, `NWAIT`, `BC00001` of another group.
+fn harmless(word: &str) -> bool {
+    let word = word.trim_end_matches(',');
+    let group = |word: &str| word.len() > 2 && ["BC", "EC", "BP", "EX"].contains(&&word[..2]);
+    word.contains(['=', '#', '(', ')', '>', '<'])
+        || HARMLESS.contains(&word)
+        || (word.is_ascii() && group(word) && word[2..].bytes().all(|byte| byte.is_ascii_digit()))
+        || word.bytes().all(|byte| byte.is_ascii_digit() || byte == b'.')
 }
