@@ -3,6 +3,7 @@
 mod correct;
 mod dialect;
 mod error;
+mod event;
 mod fanuc;
 mod flow;
 mod inform;

@@ -1,7 +1,7 @@
 //! A program and its points, whatever its language.
 
+use crate::event::Event;
 use crate::number::Slot;
-use crate::route::Event;
 use crate::{ControllerError, Dialect, Orientation};
 use std::collections::BTreeMap;
 use truepose_kinematics::Pose;
@@ -247,6 +247,12 @@ pub struct Replacement {
 }
 
 impl Program {
+    /// A file that has frames and tools alone.
+    pub(crate) fn of_frames(dialect: Dialect, text: &[u8], definitions: Definitions) -> Program {
+        let (points, route, notes) = (Vec::new(), Vec::new(), Vec::new());
+        Program { dialect, text: text.to_vec(), points, definitions, route, notes }
+    }
+
     /// Its language.
     pub fn dialect(&self) -> Dialect {
         self.dialect

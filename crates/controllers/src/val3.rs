@@ -11,9 +11,9 @@
 mod tags;
 
 use crate::error::syntax;
+use crate::event::Visit;
 use crate::number::{Form, Slot, number_at};
 use crate::program::{Branch, Definition, Definitions, Point, Reference, Value};
-use crate::route::Visit;
 use crate::{ControllerError, Dialect, Program};
 use std::collections::BTreeMap;
 use tags::{Tag, tags};

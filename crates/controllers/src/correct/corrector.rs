@@ -5,7 +5,7 @@ use super::configuration::{degrees, turns_of};
 use super::correction::{Correction, Outcome};
 use super::external::{Arms, ENOUGH, External, STEPS};
 use super::frames::Frames;
-use super::inverse::Inverse;
+use super::inverse::{Inverse, NOT_KNOWN};
 use super::options::CorrectOptions;
 use super::outside::outside;
 use super::signals::signals;
@@ -120,7 +120,13 @@ impl<'m> Corrector<'m> {
     ) -> (Correction, Result<Vec<f64>, Open>) {
         let (joints, placed) = match self.located(point, travel, before) {
             Ok(located) => located,
-            Err(open) => return (Correction::refused(open.reason.clone()), Err(open)),
+            Err(open) => {
+                let mut reason = open.reason.clone();
+                if reason == NOT_KNOWN && self.options.start.is_none() {
+                    reason.push_str(", or state the joints before the program (--start)");
+                }
+                return (Correction::refused(reason), Err(open));
+            }
         };
         let mut correction = Correction::refused(String::new());
         correction.nominal = Some(self.controller(&joints));

@@ -159,7 +159,7 @@ fn rebuilt(chain: &Chain, joints: Vec<truepose_kinematics::Joint>) -> Option<Cha
         return None;
     }
     let new = Chain::new(chain.name(), joints).ok()?;
-    let new = new.with_base(chain.base().clone()).ok()?.with_tool(chain.tool().clone()).ok()?;
+    let new = new.with_base(*chain.base()).ok()?.with_tool(*chain.tool()).ok()?;
     new.with_couplings(chain.couplings().to_vec()).ok()
 }
 

@@ -2,7 +2,7 @@
 
 use super::before::{Before, Open, Travel};
 use super::configuration::{Arm, degrees, turns_fit};
-use super::solutions::{congruent, distance};
+use super::near::{congruent, distance};
 use crate::ControllerError;
 use crate::program::Branch;
 use std::f64::consts::FRAC_PI_2;
@@ -16,6 +16,9 @@ const FAR: f64 = 0.5;
 /// The next nearest configuration has to be so many times as far away as the nearest.
 const CLEARLY: f64 = 1.5;
 
+/// Why the joints of a point without configuration data are not known.
+pub(super) const NOT_KNOWN: &str = "the arm's configuration is not known here: no point with known joints is before it; put one in \
+                                    joint values before it";
 const NOT_INTERPRETED: &str = "its configuration data is not interpreted for an arm whose last three axes do not meet; give the point in \
                                joint values";
 const STATED: &str = "it in the configuration that it states";
@@ -105,9 +108,7 @@ impl<'m> Inverse<'m> {
     /// The solution in the configuration of where the robot was.
     fn carried(&mut self, tool: &Pose, linear: bool, before: &Before) -> Result<Vec<f64>, Open> {
         if before.joints.is_empty() || (before.sides && !linear) {
-            let words = "the arm's configuration is not known here: no point with known joints is before it; put one in joint values \
-                         before it, or state the joints before the program (--start)";
-            return Err(words.to_owned().into());
+            return Err(NOT_KNOWN.to_owned().into());
         }
         let mut found: Vec<Vec<f64>> = Vec::new();
         let (mut reason, mut several) = (String::new(), false);

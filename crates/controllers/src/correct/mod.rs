@@ -22,6 +22,7 @@ mod corrector;
 mod external;
 mod frames;
 mod inverse;
+mod near;
 mod options;
 mod outside;
 mod signals;
@@ -93,7 +94,11 @@ pub fn correct_all(
         for (file, k) in stop.points {
             let point = &programs[file].points()[k];
             let (_, at) = done[file][k].get_or_insert_with(|| correctors[file].point(point, travel, &from));
-            before.reach(at, || format!("{} in line {}", point.name, point.line), stop.linear);
+            let named = || match point.name.contains(" in line ") {
+                true => point.name.clone(),
+                false => format!("{} in line {}", point.name, point.line),
+            };
+            before.reach(at, named, stop.linear);
             before.opaque = opaque(point);
         }
     }

@@ -2,6 +2,7 @@
 
 use super::configuration::Arm;
 use super::inverse::Inverse;
+use super::near::distance;
 use std::f64::consts::{PI, TAU};
 use truepose_compensate::{Status, Target};
 use truepose_kinematics::{Conditions, JointKind, Pose};
@@ -9,8 +10,8 @@ use truepose_kinematics::{Conditions, JointKind, Pose};
 /// Joints closer than this are one solution, rad or m.
 const SAME: f64 = 1e-6;
 
-/// Joints that differ from whole turns by less than this are one configuration, rad.
-const CONGRUENT: f64 = 1e-4;
+/// Most starts of a search: at a singularity there are solutions without end.
+const MOST_SEEDS: usize = 400;
 
 impl<'m> Inverse<'m> {
     /// One solution from a seed.
@@ -31,7 +32,7 @@ impl<'m> Inverse<'m> {
         let mut seeds: Vec<Vec<f64>> = first.map(<[f64]>::to_vec).into_iter().collect();
         seeds.extend(self.grid());
         let mut at = 0;
-        while at < seeds.len() {
+        while at < seeds.len().min(MOST_SEEDS) {
             let solution = self.from(tool, &seeds[at]);
             at += 1;
             let Some(mut solution) = solution else { continue };
@@ -50,7 +51,7 @@ impl<'m> Inverse<'m> {
             let ends = enough(self, &solution);
             found.push(solution);
             if ends {
-                break;
+                return found;
             }
         }
         found
@@ -171,16 +172,4 @@ impl<'m> Inverse<'m> {
             joint.name
         ))
     }
-}
-
-/// Whether joints differ by whole turns alone.
-pub(super) fn congruent(a: &[f64], b: &[f64]) -> bool {
-    a.iter().zip(b).all(|(a, b)| {
-        let off = a - b;
-        (off - TAU * (off / TAU).round()).abs() < CONGRUENT
-    })
-}
-
-pub(super) fn distance(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
 }

@@ -11,21 +11,29 @@
 //!         };
 //! ```
 //!
-//! The values of user frames and tools are in the controller, not in the program: `UF1`, `UT1` name them; 0 is none.
+//! The values of user frames and tools are in a file of their own (see `frames`): `UF1`, `UT1` name them; 0 is none.
 
+mod frames;
 mod motions;
 mod position;
 
+use crate::event::Visit;
 use crate::lines::lines;
 use crate::program::Definitions;
-use crate::route::Visit;
 use crate::tokens::{Lexis, tokens_from};
 use crate::{ControllerError, Dialect, Program};
 use std::collections::BTreeMap;
 
 const LEXIS: Lexis = Lexis { comment: 0, quotes: b"\"'", header: None, escapes: false };
 
-pub(crate) fn read(text: &[u8], _others: &[&[u8]]) -> Result<Program, ControllerError> {
+pub(crate) fn read(text: &[u8], others: &[&[u8]]) -> Result<Program, ControllerError> {
+    let mut definitions = Definitions::default();
+    for text in others.iter().copied().chain([text]).filter(|text| frames::is(text)) {
+        frames::read(text, &mut definitions);
+    }
+    if frames::is(text) {
+        return Ok(Program::of_frames(Dialect::Fanuc, text, definitions));
+    }
     let lines = lines(text);
     let head = |word: &str| lines.iter().position(|line| line.after(word).is_some_and(<[u8]>::is_empty));
     let Some(mn) = head("/MN") else {
@@ -55,7 +63,6 @@ pub(crate) fn read(text: &[u8], _others: &[&[u8]]) -> Result<Program, Controller
         Visit::event(at.into_iter().collect(), linear)
     };
     let route = vec![motions.reached.iter().map(visit).collect()];
-    let definitions = Definitions::default();
     Ok(Program {
         dialect: Dialect::Fanuc,
         text: text.to_vec(),

@@ -3,7 +3,7 @@
 use super::aggregate::Aggregate;
 use super::candidate::{Candidate, candidate, pose};
 use crate::ControllerError;
-use crate::flow::{Active, FRAME, Flow, TOOL};
+use crate::flow::{Active, FRAME, Flow, Outer, TOOL};
 use crate::program::{Definition, Reference};
 use crate::tokens::{Cursor, Kind, Lexis, tokens};
 
@@ -64,6 +64,8 @@ pub(super) struct Reader<'t> {
     pub(super) flow: Flow,
     /// Whether the tool is on the robot, in the place of the frame.
     pub(super) mode: Flow,
+    /// What was active in front of a spline.
+    pub(super) outside: Option<[Outer; 2]>,
     pub(super) file: File,
 }
 
@@ -83,7 +85,7 @@ impl File {
         };
         let mut mode = Flow::new("");
         mode.restart([Reference::Identity, Reference::Identity]);
-        let mut reader = Reader { text, flow: Flow::new("it is not set before"), mode, file };
+        let mut reader = Reader { text, flow: Flow::new("it is not set before"), mode, outside: None, file };
         for line in all.split_inclusive(|token| token.kind == Kind::End) {
             reader.statement(&mut Cursor::new(text, line))?;
         }
@@ -107,6 +109,8 @@ impl<'t> Reader<'t> {
             "ENDIF" | "ENDSWITCH" | "ENDFOR" | "ENDWHILE" | "ENDLOOP" | "UNTIL" => self.both(Flow::close),
             "DEF" | "DEFFCT" | "DECL" | "GLOBAL" | "CONST" => return self.declaration(at),
             "END" | "ENDFCT" => self.file.steps.push(Step::End),
+            "SPLINE" | "PTP_SPLINE" => return self.spline(at),
+            "ENDSPLINE" => self.ends(),
             "BAS" => self.bas(at),
             _ if MOTIONS.contains(&first.as_str()) => return self.motion(at, false),
             _ if first.strip_suffix("_REL").is_some_and(|word| MOTIONS.contains(&word)) => {

@@ -38,6 +38,25 @@ impl<'t> Reader<'t> {
         Ok(())
     }
 
+    /// `SPLINE WITH $TOOL=…`: settings of all motions to its end.
+    pub(super) fn spline(&mut self, at: &mut Cursor<'t>) -> Result<(), ControllerError> {
+        self.outside = Some([self.flow.save(), self.mode.save()]);
+        while let Some(token) = at.next() {
+            if self.text[token.range.clone()].eq_ignore_ascii_case(b"WITH") {
+                return self.with(at);
+            }
+        }
+        Ok(())
+    }
+
+    /// A spline ends.
+    pub(super) fn ends(&mut self) {
+        if let Some([flow, mode]) = self.outside.take() {
+            self.flow.leave(flow);
+            self.mode.leave(mode);
+        }
+    }
+
     fn destination(
         &mut self,
         at: &mut Cursor<'t>,
@@ -82,7 +101,7 @@ impl<'t> Reader<'t> {
                     let word = at.str_of(token).to_ascii_uppercase();
                     if word == "WITH" {
                         at.at = at.tokens.len() - 1;
-                    } else if !(word.starts_with("C_") || BEHIND.contains(&word.as_str())) && !motion.computed
+                    } else if !(word.starts_with("C_") || BEHIND.contains(&word.as_str()) || motion.computed)
                     {
                         motion.odd = Some(word);
                     }

@@ -3,9 +3,9 @@
 use super::candidate::{Candidate, Literal};
 use super::file::{File, Motion, Step, bare};
 use crate::Dialect;
+use crate::event::{Event, Visit};
 use crate::flow::{Active, of_all};
 use crate::program::{Branch, Definitions, Note, Point, Program, Reference, Value};
-use crate::route::{Event, Visit};
 use std::collections::HashMap;
 
 pub(super) fn program(text: &[u8], files: &[File], definitions: Definitions) -> Program {
@@ -224,7 +224,11 @@ fn note(motion: &Motion, files: &[File], uses: &Uses, place: usize) -> Option<No
         );
     }
     if name.starts_with('$') {
-        return None;
+        // Where the robot is or was; other positions of the controller stay as they are.
+        let here =
+            ["_ACT", "_ACT_MES", "_RET", "_INT", "_FOR", "_BACK"].iter().any(|end| name.ends_with(end));
+        let note = || Note::missing(motion.line, motion.shown.clone(), name.into());
+        return (!here && place == 0).then(note);
     }
     let elsewhere = files.iter().skip(1).any(|file| file.candidates.iter().any(|c| means(name, &c.name)));
     if elsewhere || place > 0 {

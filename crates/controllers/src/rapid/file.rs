@@ -134,7 +134,7 @@ impl File {
         let joints = kind == "JOINTTARGET";
         if point {
             self.declared.push((name.clone(), joints));
-        } else if !matches!(kind.as_str(), "WOBJDATA" | "TOOLDATA") {
+        } else if !matches!(kind.as_str(), "WOBJDATA" | "TOOLDATA" | "LOADDATA") {
             return Ok(());
         }
         let mut lists = 0;
@@ -156,15 +156,22 @@ impl File {
         match kind.as_str() {
             "WOBJDATA" => self.definitions.push((name, work_object(&node))),
             "TOOLDATA" => {
-                let mass = node.items().get(2).and_then(|load| load.items().first());
-                if let Some(Node::Number(mass, _)) = mass.filter(|_| name != "TOOL0") {
-                    self.loads.push((line, format!("tooldata {name} has {mass} kg")));
-                }
+                self.load(&kind, &name, node.items().get(2), line);
                 self.definitions.push((name, tool(&node)));
             }
+            "LOADDATA" => self.load(&kind, &name, Some(&node), line),
             _ => self.listed(name, node, joints, lists, line),
         }
         Ok(())
+    }
+
+    /// The mass of loaddata.
+    fn load(&mut self, kind: &str, name: &str, load: Option<&Node>, line: usize) {
+        if let Some(Node::Number(mass, _)) = load.and_then(|load| load.items().first())
+            && !["TOOL0", "LOAD0"].contains(&name)
+        {
+            self.loads.push((line, format!("{} {name} has {mass} kg", kind.to_ascii_lowercase())));
+        }
     }
 
     fn listed(&mut self, name: String, node: Node, joints: bool, lists: usize, line: usize) {

@@ -3,10 +3,10 @@
 use super::file::{Candidate, Destination, File, Motion, Step, bare};
 use super::node::Node;
 use crate::Dialect;
+use crate::event::{Event, Visit};
 use crate::flow::{Active, of_all};
 use crate::number::{Form, Slot};
 use crate::program::{Branch, Definitions, Note, Point, Program, Reference, Value};
-use crate::route::{Event, Visit};
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 

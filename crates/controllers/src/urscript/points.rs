@@ -3,10 +3,10 @@
 use super::expression::{Expression, Six};
 use super::file::{File, Motion, Step};
 use crate::Dialect;
+use crate::event::{Event, Visit};
 use crate::flow::{FRAME, TOOL};
 use crate::number::{Form, Slot};
 use crate::program::{Branch, Definition, Definitions, Note, Point, Program, Reference, Value};
-use crate::route::{Event, Visit};
 use std::collections::HashMap;
 use truepose_kinematics::Pose;
 

@@ -99,7 +99,7 @@ fn confdata_counts_where_its_control_is_on() {
     for (control, verb) in
         [("ConfJ\\Off;\n", "MoveJ"), ("ConfL \\Off;\n", "MoveL"), ("ConfL\\Off;\n", "ArcL")]
     {
-        let job = job(control, verb, "7,-2,1,1").replace("ArcL ", "ArcL ").replace(
+        let job = job(control, verb, "7,-2,1,1").replace(
             "v100,fine,tool0;\nENDPROC",
             if verb == "ArcL" {
                 "v100,seam1,weld1,fine,tool0;\nENDPROC"
@@ -187,8 +187,26 @@ fn a_point_of_which_several_are_possible_does_not_refuse_those_behind_it() {
     let reason = found[1].clone().unwrap_err();
     assert!(reason.contains("about equally far"), "{reason}");
     let reason = found[2].clone().unwrap_err();
-    assert!(reason.contains("not known since PTP in line 5 in line 5"), "{reason}");
+    assert!(reason.contains("not known since PTP in line 5"), "{reason}");
     near(&found[4], DIRECT);
+}
+
+#[test]
+fn the_start_is_named_where_it_is_not_given() {
+    let chain = arm();
+    let text = format!(
+        "DEF a()\n$BASE=$NULLFRAME\n$TOOL=$NULLFRAME\nPTP $POS_ACT\nPTP {}\nEND\n",
+        frame(&chain, DIRECT, "")
+    );
+    let given = |start: Option<Vec<f64>>| {
+        let options = CorrectOptions { start, ..CorrectOptions::default() };
+        corrections(&chain, Dialect::Krl, &[&text], &options)[0][0].clone()
+    };
+    let open = given(None);
+    assert!(open.nominal.is_none() && open.reason.contains("(--start)"), "{}", open.reason);
+    // The motion before goes to a place that is not known.
+    let open = given(Some(DIRECT.map(f64::to_radians).to_vec()));
+    assert!(open.nominal.is_none() && !open.reason.contains("--start"), "{}", open.reason);
 }
 
 #[test]

@@ -79,9 +79,25 @@ fn rapid_instructions_that_are_not_known_are_refused_where_they_have_a_point() {
 #[test]
 fn krl_statements_that_are_not_understood_are_refused_where_they_have_a_point() {
     let text = "DEF a()\nDECL E6POS XA={X 1,Y 2,Z 3,A 4,B 5,C 6,S 2,T 2}\n$BASE=$NULLFRAME\n$TOOL=$NULLFRAME\nSPLINE\nSPL XA\nENDSPLINE\nLIN XA C_DIS C_ORI\nSCIRC XA, {X 1,Y 2,Z 3,A 4,B 5,C 6}, CA 180\n\
-                LIN XA WOBBLE\nGLIDE {X 1,Y 2,Z 3,A 4,B 5,C 6}\nGLIDE XA\nFETCH(XA,5)\nFETCH(5)\nPTP $POS_ACT\nSLIN_REL {Z 5}\nPTP XA #INITMOV\nEND\n";
+                LIN XA WOBBLE\nGLIDE {X 1,Y 2,Z 3,A 4,B 5,C 6}\nGLIDE XA\nFETCH(XA,5)\nFETCH(5)\nPTP $POS_ACT\nLIN $NULLFRAME\nSLIN_REL {Z 5}\nPTP XA #INITMOV\nEND\n";
     let program = read(Dialect::Krl, text);
-    assert_eq!(refused(&program), [10, 11, 12, 13, 16], "{:?}", program.notes());
+    assert_eq!(refused(&program), [10, 11, 12, 13, 17], "{:?}", program.notes());
+    let missing =
+        program.notes().iter().find(|note| note.missing.is_some()).expect("a position of the controller");
+    assert_eq!((missing.line, missing.missing.as_deref()), (16, Some("$NULLFRAME")));
+}
+
+#[test]
+fn krl_settings_of_a_spline_and_of_a_motion_end_with_it() {
+    let place = "{X 1,Y 2,Z 3,A 4,B 5,C 6}";
+    let text = format!(
+        "DEF a()\n$BASE=$NULLFRAME\n$TOOL=TOOL_DATA[1]\nSPLINE WITH $TOOL=TOOL_DATA[2]\nSPL {place}\nSPL {place} WITH $TOOL=TOOL_DATA[3]\n\
+         SPL {place}\nENDSPLINE\nLIN {place}\nSLIN {place} WITH $IPO_MODE=#TCP\nLIN {place}\nEND\n"
+    );
+    let found = tools(&read(Dialect::Krl, &text));
+    let numbers =
+        ["TOOL_DATA[2]", "TOOL_DATA[3]", "TOOL_DATA[2]", "TOOL_DATA[1]", "not compensated", "TOOL_DATA[1]"];
+    assert_eq!(found, numbers);
 }
 
 #[test]
@@ -144,4 +160,32 @@ fn script_functions_that_are_not_known_are_refused_where_they_have_a_place() {
     let program = read(Dialect::UrScript, text);
     assert_eq!(refused(&program), [5, 6, 8, 10], "{:?}", program.notes());
     assert!(program.notes().iter().any(|note| note.load && note.words == "set_payload states 2.5 kg"));
+}
+
+#[test]
+fn frames_and_tools_of_a_controller_are_read_from_its_files() {
+    let point = |n: usize| {
+        format!(
+            "P[{n}]{{\n   GP1:\n\tUF : {n}, UT : 2,\t\tCONFIG : 'N U T, 0, 0, 0',\n\tX = 1.000 mm,\tY = 2.000 mm,\tZ = 3.000 mm,\n\tW = 0.000 deg,\tP = 0.000 deg,\tR = 0.000 deg\n}};\n"
+        )
+    };
+    let job = format!("/PROG A\n/ATTR\n/MN\n1:L P[1] 5mm/sec FINE ;\n/POS\n{}/END\n", point(1));
+    let variables = "[*SYSTEM*]$MCR  Storage: CMOS  Access: RW  : MCR_T\n[*SYSTEM*]$MNUFRAME  Storage: CMOS  Access: RW  : ARRAY[1,10] OF POSITION\n     [1,1] =   Group: 1   Config: N D B, 0, 0, 0\n\
+                     \x20 X:   500.000   Y:    -1.500   Z:     0.000\n  W:     0.000   P:     0.000   R:    90.000\n     [1,2] =   Group: 1   Config: N D B, 0, 0, 0\n  X: ******** Y: ******** Z: ********\n\
+                     [*SYSTEM*]$MNUTOOL  Storage: CMOS  Access: RW  : ARRAY[1,10] OF POSITION\n     [1,2] =   Group: 1   Config: N D B, 0, 0, 0\n  X:     0.000   Y:     0.000   Z:   210.000\n  W:     0.000   P:     0.000   R:     0.000\n";
+    let all = Program::read_all(&[job.as_bytes(), variables.as_bytes()], Dialect::Fanuc).expect("programs");
+    let of = |name: &str| all[0].definitions().get(name).expect("usable").map(|pose| pose.translation * 1e3);
+    assert_eq!(of("UF1").map(|place| [place.x, place.y]), Some([500.0, -1.5]));
+    assert!(of("UT2").is_some_and(|place| (place.z - 210.0).abs() < 1e-9));
+    assert_eq!(of("UF2"), None);
+    assert!(all[1].points().is_empty());
+
+    let job = "/JOB\n//NAME A\n//POS\n///TOOL 3\n///POSTYPE USER\n///USER 2\n///RECTAN\nC00000=1,2,3,0,0,0\n//INST\nMOVL C00000 V=5.0\nEND\n";
+    let user = "//UFRAME 2\r\n///NAME TABLE\r\n///TOOL 0\r\n////BUSER 700.000,10.000,0.000,0.0000,0.0000,90.0000\r\n";
+    let tool = "//TOOL 0\n///NAME \n0.000,0.000,0.000,0.00,0.00,0.00\n//TOOL 3\n///NAME GUN\n0.000,0.000,155.000,0.00,0.00,0.00\n2.0\n0.0,0.0,80.0\n";
+    let all = Program::read_all(&[job.as_bytes(), user.as_bytes(), tool.as_bytes()], Dialect::Inform)
+        .expect("jobs");
+    let of = |name: &str| all[0].definitions().get(name).expect("usable").map(|pose| pose.translation * 1e3);
+    assert!(of("USER 2").is_some_and(|place| (place.x - 700.0).abs() < 1e-9));
+    assert!(of("TOOL 3").is_some_and(|place| (place.z - 155.0).abs() < 1e-9));
 }

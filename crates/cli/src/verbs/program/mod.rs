@@ -58,12 +58,12 @@ pub fn run(args: &Compensate, file: &Path, read: &[NamedFile]) -> Result<(), Fai
         let inputs: Vec<&Path> = inputs.into_iter().flatten().chain(&own.with).map(|file| &**file).collect();
         folder.add(&mut files, &made.view, &inputs, |run| Ok(program_report(&made.view, run)))?;
     }
+    for line in &made.notes {
+        terminal::log(&format!("note: {line}"));
+    }
     files.finish()?;
     if let Some(folder) = &folder {
         terminal::log(&format!("wrote {}", folder.page().display()));
-    }
-    for line in &made.notes {
-        terminal::log(&format!("note: {line}"));
     }
     if args.json {
         return print_json(&made.view);

@@ -207,7 +207,7 @@ fn rejected(parts: &[Part<'_>], refused: &[(PathBuf, usize, String)], stated: &[
         .flat_map(|part| part.program.notes().iter().filter(|note| note.file == 0))
         .filter(|note| note.refuses || note.missing.is_some());
     let (refused, all) = (refused.len(), points + statements.count());
-    let remedy = match refused < all {
+    let remedy = match refused < all && !left_unchanged(parts, &[]) {
         true => "--mark leaves them as they are; --dry-run writes the table alone",
         false => "--dry-run writes the table alone",
     };

@@ -7,17 +7,26 @@
 //! //INST      (MOVJ|MOVL|MOVC|MOVS) C00001 …     another motion is refused
 //! ```
 //!
-//! The values of user frames and tools are in the controller: `USER 1`, `TOOL 0` name them.
+//! The values of user frames and tools are in files of their own (see `frames`): `USER 1`, `TOOL 0` name them.
 
+mod frames;
+
+use crate::event::{Event, Visit};
 use crate::lines::{Line, lines};
 use crate::number::{Form, Slot, number_at};
 use crate::program::{Branch, Definitions, Note, Point, Reference, Value};
-use crate::route::{Event, Visit};
 use crate::{ControllerError, Dialect, Program};
 use std::collections::HashMap;
 
-pub(crate) fn read(text: &[u8], _others: &[&[u8]]) -> Result<Program, ControllerError> {
+pub(crate) fn read(text: &[u8], others: &[&[u8]]) -> Result<Program, ControllerError> {
     let lines = lines(text);
+    let mut definitions = Definitions::default();
+    for text in others.iter().copied().chain([text]).filter(|text| frames::is(text)) {
+        frames::read(text, &mut definitions);
+    }
+    if !definitions.0.is_empty() && frames::is(text) {
+        return Ok(Program::of_frames(Dialect::Inform, text, definitions));
+    }
     if !lines.iter().any(|line| line.after("/JOB").is_some_and(<[u8]>::is_empty)) {
         return Err(ControllerError::NotAProgram("it has no line /JOB: it is no job of INFORM".into()));
     }
@@ -42,7 +51,6 @@ pub(crate) fn read(text: &[u8], _others: &[&[u8]]) -> Result<Program, Controller
     for line in lines.iter().skip(inst + 1) {
         job.instruction(line, &mut points);
     }
-    let definitions = Definitions::default();
     let route = vec![job.route];
     Ok(Program {
         dialect: Dialect::Inform,
