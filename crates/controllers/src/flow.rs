@@ -21,6 +21,13 @@ pub(crate) struct Flow {
     pub(crate) uses: Vec<Active>,
 }
 
+/// Where a routine stands inside of another one.
+#[derive(Debug, Clone)]
+pub(crate) struct Outer {
+    active: Active,
+    blocks: Vec<Block>,
+}
+
 #[derive(Debug, Clone)]
 struct Block {
     opened: Active,
@@ -36,6 +43,23 @@ impl Flow {
     pub(crate) fn new(why: &str) -> Flow {
         let unknown = || Reference::Unknown(why.into());
         Flow { active: [unknown(), unknown()], blocks: Vec::new(), uses: Vec::new() }
+    }
+
+    /// A routine inside of another one begins, with this active; for [`Flow::leave`], what was before.
+    pub(crate) fn enter(&mut self, active: Active) -> Outer {
+        let blocks = std::mem::take(&mut self.blocks);
+        Outer { active: std::mem::replace(&mut self.active, active), blocks }
+    }
+
+    /// What is active here, for [`Flow::leave`].
+    pub(crate) fn save(&self) -> Outer {
+        Outer { active: self.active.clone(), blocks: self.blocks.clone() }
+    }
+
+    /// A routine inside of another one ends.
+    pub(crate) fn leave(&mut self, outer: Outer) {
+        self.active = outer.active;
+        self.blocks = outer.blocks;
     }
 
     /// Begins another routine, with this active.
@@ -104,7 +128,11 @@ pub(crate) fn of_all<'a>(uses: impl Iterator<Item = &'a Active>, none: &Active) 
             continue;
         };
         for which in [FRAME, TOOL] {
-            if seen[which] != active[which] && !matches!(seen[which], Reference::Unknown(_)) {
+            if matches!(active[which], Reference::Excluded(_)) {
+                seen[which] = active[which].clone();
+            }
+            let settled = matches!(seen[which], Reference::Unknown(_) | Reference::Excluded(_));
+            if seen[which] != active[which] && !settled {
                 let words =
                     format!("it is used with {} and with {}", seen[which].words(), active[which].words());
                 seen[which] = Reference::Unknown(words);

@@ -3,6 +3,7 @@
 mod correct;
 mod dialect;
 mod error;
+mod event;
 mod fanuc;
 mod flow;
 mod inform;
@@ -13,11 +14,12 @@ mod orientation;
 mod program;
 mod rapid;
 mod reading;
+mod route;
 mod tokens;
 mod urscript;
 mod val3;
 
-pub use correct::{CorrectOptions, Correction, Outcome, correct, correct_all};
+pub use correct::{CorrectOptions, Correction, Outcome, correct, correct_all, unused};
 pub use dialect::Dialect;
 pub use error::ControllerError;
 pub use orientation::Orientation;

@@ -1,5 +1,6 @@
 //! A program and its points, whatever its language.
 
+use crate::event::Event;
 use crate::number::Slot;
 use crate::{ControllerError, Dialect, Orientation};
 use std::collections::BTreeMap;
@@ -12,7 +13,8 @@ pub struct Program {
     pub(crate) text: Vec<u8>,
     pub(crate) points: Vec<Point>,
     pub(crate) definitions: Definitions,
-    pub(crate) order: Vec<Step>,
+    /// What happens in each file, this one first; files in which nothing happens may be absent at the end.
+    pub(crate) route: Vec<Vec<Event>>,
     pub(crate) notes: Vec<Note>,
 }
 
@@ -66,6 +68,8 @@ pub enum Reference {
     Value(Pose),
     /// Unknown, for this reason.
     Unknown(String),
+    /// Not compensated for this reason, whatever else is stated.
+    Excluded(String),
 }
 
 impl Reference {
@@ -76,6 +80,7 @@ impl Reference {
             Reference::Named(name) => name.clone(),
             Reference::Value(_) => "given in the program".into(),
             Reference::Unknown(_) => "unknown".into(),
+            Reference::Excluded(_) => "not compensated".into(),
         }
     }
 }
@@ -98,6 +103,15 @@ pub enum Branch {
     },
     /// ABB's cf1, cf4, cf6, cfx.
     Abb([i64; 4]),
+    /// Stäubli's shoulder, elbow and wrist.
+    Val3 {
+        /// lefty, not righty; none: as at the point before.
+        lefty: Option<bool>,
+        /// epositive, not enegative.
+        elbow: Option<bool>,
+        /// wpositive, not wnegative.
+        wrist: Option<bool>,
+    },
     /// FANUC's letters and turn numbers.
     Fanuc {
         /// F, not N.
@@ -121,10 +135,16 @@ pub(crate) enum Definition {
     SameAs(String),
     /// It has a value that cannot be used, for this reason.
     Unusable(String),
+    /// Its points are not compensated, whatever else is stated.
+    Excluded(String),
 }
 
 impl Definitions {
     pub(crate) fn put(&mut self, name: String, definition: Definition) {
+        if matches!(definition, Definition::Excluded(_)) {
+            self.0.insert(name, definition);
+            return;
+        }
         // A name with two values is neither.
         if let Some(old) = self.0.get(&name) {
             let same = match (old, &definition) {
@@ -132,7 +152,7 @@ impl Definitions {
                 (Definition::SameAs(a), Definition::SameAs(b)) => a == b,
                 _ => false,
             };
-            if !same {
+            if !same && !matches!(old, Definition::Excluded(_)) {
                 let words = format!("{name} has more than one value in the files given");
                 self.0.insert(name, Definition::Unusable(words));
             }
@@ -152,11 +172,19 @@ impl Definitions {
             match self.0.get(name) {
                 None => return Ok(None),
                 Some(Definition::Value(pose)) => return Ok(Some(*pose)),
-                Some(Definition::Unusable(words)) => return Err(words.clone()),
+                Some(Definition::Unusable(words) | Definition::Excluded(words)) => return Err(words.clone()),
                 Some(Definition::SameAs(other)) => name = other,
             }
         }
         Ok(None)
+    }
+
+    /// Why points with this frame or tool are not compensated, whatever else is stated.
+    pub(crate) fn excluded(&self, name: &str) -> Option<&str> {
+        match self.0.get(self.last_name(name)) {
+            Some(Definition::Excluded(words)) => Some(words),
+            _ => None,
+        }
     }
 
     /// The last name in a chain of names.
@@ -172,15 +200,6 @@ impl Definitions {
     }
 }
 
-/// The order in which points are reached.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Step {
-    /// This point, by its place.
-    Point(usize),
-    /// Somewhere that is not known.
-    Elsewhere,
-}
-
 /// A statement about the program that is not about one of its points.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Note {
@@ -194,6 +213,8 @@ pub struct Note {
     pub refuses: bool,
     /// The point to which a motion goes and which has no value in the files given.
     pub missing: Option<String>,
+    /// What the robot carries, as the program states it.
+    pub load: bool,
     /// The file of the line: 0 is the program, 1 the first of the further files.
     pub file: usize,
 }
@@ -202,12 +223,17 @@ impl Note {
     /// Of a motion to a point without a value.
     pub(crate) fn missing(line: usize, name: String, point: String) -> Note {
         let words = format!("{point} has no value in the files given");
-        Note { line, name, words, refuses: false, missing: Some(point), file: 0 }
+        Note { line, name, words, refuses: false, missing: Some(point), load: false, file: 0 }
     }
 
-    /// Of a position that is computed while the program runs.
+    /// Of a load that the program states.
+    pub(crate) fn load(line: usize, words: String) -> Note {
+        Note { line, name: String::new(), words, refuses: false, missing: None, load: true, file: 0 }
+    }
+
+    /// Of a position that is computed while the program runs, or a motion that is not understood.
     pub(crate) fn refusing(line: usize, name: String, words: String) -> Note {
-        Note { line, name, words, refuses: true, missing: None, file: 0 }
+        Note { line, name, words, refuses: true, missing: None, load: false, file: 0 }
     }
 }
 
@@ -221,6 +247,12 @@ pub struct Replacement {
 }
 
 impl Program {
+    /// A file that has frames and tools alone.
+    pub(crate) fn of_frames(dialect: Dialect, text: &[u8], definitions: Definitions) -> Program {
+        let (points, route, notes) = (Vec::new(), Vec::new(), Vec::new());
+        Program { dialect, text: text.to_vec(), points, definitions, route, notes }
+    }
+
     /// Its language.
     pub fn dialect(&self) -> Dialect {
         self.dialect
@@ -239,9 +271,9 @@ impl Program {
     /// Of each point, whether a motion of the files goes to it.
     pub fn reached(&self) -> Vec<bool> {
         let mut reached = vec![false; self.points.len()];
-        for step in &self.order {
-            if let Step::Point(k) = *step {
-                reached[k] = true;
+        for event in self.route.iter().flatten() {
+            if let Event::Visit(visit) = event {
+                visit.points.iter().for_each(|&k| reached[k] = true);
             }
         }
         reached

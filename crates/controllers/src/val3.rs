@@ -11,8 +11,9 @@
 mod tags;
 
 use crate::error::syntax;
+use crate::event::Visit;
 use crate::number::{Form, Slot, number_at};
-use crate::program::{Branch, Definition, Definitions, Point, Reference, Step, Value};
+use crate::program::{Branch, Definition, Definitions, Point, Reference, Value};
 use crate::{ControllerError, Dialect, Program};
 use std::collections::BTreeMap;
 use tags::{Tag, tags};
@@ -38,8 +39,8 @@ pub(crate) fn read(text: &[u8], others: &[&[u8]]) -> Result<Program, ControllerE
         };
         definitions.put(name.clone(), definition);
     }
-    let order = (0..points.len()).map(Step::Point).collect();
-    Ok(Program { dialect: Dialect::Val3, text: text.to_vec(), points, definitions, order, notes: Vec::new() })
+    let route = vec![(0..points.len()).map(|k| Visit::event(vec![k], false)).collect()];
+    Ok(Program { dialect: Dialect::Val3, text: text.to_vec(), points, definitions, route, notes: Vec::new() })
 }
 
 /// A frame or tool, and what it stands on.
@@ -144,10 +145,23 @@ fn point(text: &[u8], name: String, tag: &Tag<'_>) -> Point {
         Some(name) => Reference::Named(name.into()),
     };
     let tool = Reference::Unknown("VAL3 has the tool in the program, not in the data".into());
-    let words: Vec<String> =
-        ["shoulder", "elbow", "wrist"].iter().filter_map(|name| tag.shown(text, name)).collect();
-    let same = |word: &String| word.ends_with("same") || word.ends_with("free");
-    let branch = if words.iter().all(same) { Branch::Continuous } else { Branch::Opaque(words.join(" ")) };
+    // A word of each, or none where it is that of the point before (same) or any (free).
+    let mut side = |name: &str, yes: &str, no: &str| match tag.shown(text, name).as_deref() {
+        Some(word) if word == yes => Some(true),
+        Some(word) if word == no => Some(false),
+        Some(word) if !(word.ends_with("same") || word.ends_with("free")) => {
+            point.fixed = Some(format!("its {name} `{word}` is not understood"));
+            None
+        }
+        _ => None,
+    };
+    let lefty = side("shoulder", "lefty", "righty");
+    let elbow = side("elbow", "epositive", "enegative");
+    let wrist = side("wrist", "wpositive", "wnegative");
+    let branch = match (lefty, elbow, wrist) {
+        (None, None, None) => Branch::Continuous,
+        _ => Branch::Val3 { lefty, elbow, wrist },
+    };
     point.slots = slots(tag, &POSE, [3, 3, 3, 4, 4, 4]);
     point.value = Value::Pose { pose, frame, tool, branch };
     point

@@ -56,7 +56,10 @@ pub struct RobotProgram {
     /// Value of a channel that the model reads while the program runs, in the unit of the fit, e.g. temperature=24; repeat for each
     #[arg(long, value_name = "NAME=VALUE", value_parser = parse_channel, requires = "program")]
     pub channel: Vec<(String, f64)>,
-    /// External axes of the program move neither the robot nor the work: their values are ignored
+    /// External axis of the program that is a joint of the fit, e.g. E1=track: it stays where the program has it; repeat for each
+    #[arg(long, value_name = "AXIS=JOINT", value_parser = parse_external, requires = "program")]
+    pub external: Vec<(String, String)>,
+    /// External axes of the program that are no joints move neither the robot nor the work: their values are ignored
     #[arg(long, requires = "program")]
     pub ignore_external: bool,
     /// Axes of FANUC's three turn numbers, e.g. 1,4,6
@@ -113,6 +116,13 @@ fn parse_limit(text: &str) -> Result<f64, String> {
         Ok(value) if value.is_finite() && value > 0.0 => Ok(1e-3 * value),
         Ok(_) => Err("a length above 0 is needed, in mm".into()),
         Err(_) => parse_length(text),
+    }
+}
+
+fn parse_external(text: &str) -> Result<(String, String), String> {
+    match text.split_once('=').map(|(axis, joint)| (axis.trim(), joint.trim())) {
+        Some((axis, joint)) if !axis.is_empty() && !joint.is_empty() => Ok((axis.into(), joint.into())),
+        _ => Err("an external axis and a joint are needed, as in E1=track".into()),
     }
 }
 

@@ -103,6 +103,7 @@ pub fn rewrite(fitted: &FittedModel, file: &Path, options: &Rewriting) -> Result
         payload: options.payload.map(|(mass, _)| mass),
         com: options.payload.map(|(_, com)| com),
         channel: options.channels.clone(),
+        external: Vec::new(),
         ignore_external: options.ignore_external,
         turn_axes: options.turn_axes.clone(),
         pulses: options.pulses.clone(),

@@ -26,16 +26,10 @@ const ARGUMENTS: [&str; 9] =
 #[test]
 fn points_are_replaced_or_the_program_is_refused() {
     let folder = fitted();
-    // The home position is stretched out in the wrist: nothing is written.
-    let run = folder.run(&ARGUMENTS).ended(2);
-    assert!(run.log.contains("job.dat:4: XHOME: it is near a singularity"), "{}", run.log);
-    assert!(run.log.contains("--mark") && !folder.file("new.dat").exists());
-    assert!(!folder.file("new.dat.corrections.csv").exists());
-
-    let marked = [&ARGUMENTS[..], &["--mark", "--report", "page"]].concat();
-    let run = folder.run(&marked).ended(0);
-    assert!(run.out.contains("3 points: 2 corrected, 1 refused"), "{}", run.out);
-    assert!(run.out.contains("unchanged: line 4: XHOME"), "{}", run.out);
+    // The home position is stretched out in the wrist: it stays.
+    let run = folder.run(&[&ARGUMENTS[..], &["--report", "page"]].concat()).ended(0);
+    assert!(run.out.contains("3 points: 2 corrected, 1 unchanged at a wrist singularity"), "{}", run.out);
+    assert!(run.out.contains("unchanged: job.dat, line 4: XHOME: it is near a singularity"), "{}", run.out);
     let (old, new) = (folder.read("job.dat"), folder.read("new.dat"));
     let same = |k: usize| old.lines().nth(k) == new.lines().nth(k);
     assert_eq!([0, 1, 2, 3, 4].map(same), [true, false, false, true, true]);
@@ -49,10 +43,15 @@ fn points_are_replaced_or_the_program_is_refused() {
     let size = json["points"][0]["correction_mm"].as_f64().unwrap();
     assert!((0.05..5.0).contains(&size), "{size}");
 
-    let limited = [&ARGUMENTS[..], &["--mark", "--limit", "0.001"]].concat();
-    let run = folder.run(&limited).ended(0);
-    assert!(run.out.contains("3 refused") && run.out.contains("above the limit of 0.001 mm"), "{}", run.out);
-    assert_eq!(old, folder.read("new.dat"));
+    // Nothing that is corrected, no program.
+    std::fs::remove_file(folder.file("new.dat")).unwrap();
+    std::fs::remove_file(folder.file("new.dat.corrections.csv")).unwrap();
+    for more in [&["--limit", "0.001"][..], &["--mark", "--limit", "0.001"]] {
+        let run = folder.run(&[&ARGUMENTS[..], more].concat()).ended(2);
+        assert!(run.log.contains("above the limit of 0.001 mm"), "{}", run.log);
+        assert!(run.log.contains("nothing is written: 2 of 3 points cannot be compensated"), "{}", run.log);
+        assert!(!folder.file("new.dat").exists() && !folder.file("new.dat.corrections.csv").exists());
+    }
 }
 
 #[test]
@@ -251,4 +250,87 @@ fn a_kinematics_file_goes_out_and_comes_back() {
     let other =
         folder.run(&["export", "--fit", "fit.json", "--format", "ros", "--style", "ur", "--out", "o"]);
     assert!(other.ended(2).log.contains("--style: only `--format ros-yaml`"));
+}
+
+/// An arm on a track, measured with two loads.
+fn on_a_track() -> Folder {
+    let folder = Folder::empty();
+    let joint = |name: &str, limits: &str, xyz: &str, rpy: &str, axis: &str| {
+        format!(
+            "[[joints]]\nname = \"{name}\"\nlimits = {limits}\norigin = {{ xyz = {xyz}, rpy = {rpy}, axis = {axis} }}\n"
+        )
+    };
+    let track = "[[joints]]\nname = \"rail\"\ntype = \"prismatic\"\nlimits = [-500, 4000]\norigin = { xyz = [0, 0, 0], axis = [0, 1, 0] }\n";
+    let arm = [
+        joint("j1", "[-170, 170]", "[0, 0, 520]", "[0, 0, 0]", "[0, 0, 1]"),
+        joint("j2", "[-80, 130]", "[160, 0, 0]", "[0, 0, 0]", "[0, 1, 0]"),
+        joint("j3", "[-170, 75]", "[0, 0, 870]", "[0, 0, 0]", "[0, 1, 0]"),
+        joint("j4", "[-300, 300]", "[0, 0, 180]", "[0, 0, 0]", "[1, 0, 0]"),
+        joint("j5", "[-120, 120]", "[940, 0, 0]", "[0, 0, 0]", "[0, 1, 0]"),
+        joint("j6", "[-350, 350]", "[130, 0, 0]", "[0, 90, 0]", "[0, 0, 1]"),
+    ]
+    .concat();
+    folder.write(
+        "robot.toml",
+        &format!(
+            "name = \"rider\"\n[units]\nlength = \"mm\"\nangle = \"deg\"\n{track}{arm}[base]\nknown = false\n[tool]\nknown = false\n"
+        ),
+    );
+    folder.write(
+        "plant.toml",
+        "robot = \"robot.toml\"\nseed = 9\n[errors.geometric]\nposition_mm = 0.4\nangle_mrad = 0.4\n[instrument]\nsd_um = 15\n\
+         [repeatability]\nsd_um = 20\n[campaign]\npostures = \"random\"\nvisits = 140\npayloads_kg = [0, 40]\ncom_mm = [0, 0, 90]\n",
+    );
+    folder.run(&["simulate", "--plant", "plant.toml", "--out", "data.csv"]).ended(0);
+    folder.run(&["identify", "--robot", "robot.toml", "--data", "data.csv", "--out", "fit.json"]).ended(0);
+    folder
+}
+
+#[test]
+fn an_external_axis_is_a_joint_that_stays() {
+    let folder = on_a_track();
+    let place =
+        |x: f64, y: f64| format!("[[{x:.3},{y:.3},850.000],[0,0,1,0],[0,0,0,0],[1300,9E9,9E9,9E9,9E9,9E9]]");
+    folder.write(
+        "job.mod",
+        &format!(
+            "MODULE M\nPERS tooldata grip:=[TRUE,[[0,0,140],[1,0,0,0]],[38,[0,0,80],[1,0,0,0],0,0,0]];\n\
+             PERS wobjdata table:=[FALSE,TRUE,\"\",[[200,0,0],[1,0,0,0]],[[0,0,0],[1,0,0,0]]];\nPROC main()\nConfL\\Off;\nConfJ\\Off;\n\
+             MoveAbsJ [[0,5,5,0,40,0],[1300,9E9,9E9,9E9,9E9,9E9]],v100,fine,grip;\n\
+             MoveJ {},v100,fine,grip\\WObj:=table;\nMoveL {},v100,fine,grip\\WObj:=table;\nENDPROC\nENDMODULE\n",
+            place(850.0, 1350.0),
+            place(850.0, 1200.0)
+        ),
+    );
+    let run = |more: &str| {
+        let words = format!("compensate --fit fit.json --program job.mod --out new.mod{more}");
+        folder.run(&words.split(' ').collect::<Vec<_>>())
+    };
+    let log = run("").ended(2).log;
+    assert!(
+        log.contains("external axis eax_a is at 1300") && log.contains("--external eax_a=JOINT"),
+        "{log}"
+    );
+    assert!(run(" --external eax_a=cart").ended(2).log.contains("the joint `cart`, which the fit has not"));
+    let run = run(" --external eax_a=rail --tool-frame UT7=0mm,0mm,9mm,0,0,0").ended(0);
+    assert!(run.out.contains("3 points: 3 corrected"), "{} {}", run.out, run.log);
+    let new = folder.read("new.mod");
+    assert_eq!(new.matches(",[1300,9E9,9E9,9E9,9E9,9E9]]").count(), 3, "{new}");
+    let table = folder.read("new.mod.corrections.csv");
+    let names: Vec<&str> = table.lines().next().unwrap().split(',').collect();
+    let column = |name: &str| names.iter().position(|other| *other == name).unwrap();
+    for line in table.lines().skip(1) {
+        let value = |name: &str| line.split(',').nth(column(name)).unwrap().parse::<f64>().unwrap();
+        assert!((value("nominal_rail[m]") - 1.3).abs() < 1e-12, "{line}");
+        assert!((value("corrected_rail[m]") - 1.3).abs() < 1e-12, "{line}");
+        assert!(value("within_95[m]") < 5e-4, "{line}");
+    }
+    // What the program states besides its points.
+    assert!(run.log.contains("frames are taken as they are (TABLE)"), "{}", run.log);
+    assert!(
+        run.log.contains("the fit has loads from 0 kg to 40 kg") && run.log.contains("GRIP has 38 kg"),
+        "{}",
+        run.log
+    );
+    assert!(run.log.contains("note: no point of the program uses the tool `UT7`"), "{}", run.log);
 }

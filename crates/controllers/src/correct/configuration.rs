@@ -12,7 +12,11 @@
 //!
 //! Their signs are held against those at a posture whose configuration is known: for KUKA A2 = −90°, A3 = 90°, the others small, which has
 //! status bits 0 and 1 = 0 and 1; for ABB and FANUC all axes at zero, which is in front and elbow up. The wrist is the sign of axis 5:
-//! KUKA's bit 2 and ABB's cfx are 1 where it is negative, FANUC's N is where it is negative.
+//! KUKA's bit 2 and ABB's cfx are 1 where it is negative, FANUC's N is where it is negative. Stäubli's lefty is in front, epositive as at
+//! axis 3 = 60°, wpositive where axis 5 is not negative.
+//!
+//! A tool that moves along a line or an arc keeps all three: W is then, for arms whose axes 2, 3 and 4 are parallel, where axes 5 and 6 meet,
+//! and o_4 takes its place for the elbow.
 
 use crate::program::Branch;
 use truepose_kinematics::nalgebra::Vector3;
@@ -21,12 +25,22 @@ use truepose_kinematics::{Chain, Conditions, JointKind, PostureBuffer};
 /// Axes that pass each other within this meet, m: nominal dimensions have no more decimals.
 const MEET: f64 = 1e-5;
 
+/// Axes within this are parallel, rad: of arms with a calibration of the maker's own.
+const PARALLEL: f64 = 0.02;
+
+/// The sine of the wrist below which it is stretched out: 3°.
+const STRETCHED: f64 = 0.05;
+
 /// Angles closer than this to where a turn number changes have both, degrees: points are rounded to hundredths of mm and degrees, which
 /// a posture within the limits of singularity amplifies at most fifty times.
 const EITHER: f64 = 0.5;
 
 /// Corrected joints closer than this to it keep the number of the point, degrees: below it lies the resolution of numbers in programs.
 const KEEPS: f64 = 1e-4;
+
+/// Where the wrist is in front of axis 1 by less than this, m, the elbow is bent by less, m², or the sine of the wrist is less, either side is
+/// the same configuration.
+const OPEN: [f64; 3] = [1e-3, 1e-4, 1e-2];
 
 /// The arm's configuration at some joints.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -44,15 +58,29 @@ pub(super) struct Configuration {
 pub(super) struct Arm<'c> {
     chain: &'c Chain,
     buffer: PostureBuffer,
+    /// The last three axes meet; otherwise axes 2, 3 and 4 are parallel.
+    meets: bool,
 }
 
 impl<'c> Arm<'c> {
-    /// Of an arm with six turning joints.
+    /// Of an arm with six turning joints whose last three axes meet, or whose second to fourth axis are parallel.
     pub(super) fn of(chain: &'c Chain) -> Option<Self> {
         let turns = chain.movable().iter().all(|&joint| chain.joint(joint).kind == JointKind::Revolute);
-        let mut arm = Arm { chain, buffer: PostureBuffer::new(chain) };
-        (chain.movable().len() == 6 && turns && arm.sides(&[0.1, -0.7, 0.9, 0.3, 0.5, 0.2]).is_some())
-            .then_some(arm)
+        if chain.movable().len() != 6 || !turns {
+            return None;
+        }
+        let mut arm = Arm { chain, buffer: PostureBuffer::new(chain), meets: true };
+        let some = [0.1, -0.7, 0.9, 0.3, 0.5, 0.2];
+        if arm.sides(&some).is_none() {
+            arm.meets = false;
+            arm.sides(&some)?;
+        }
+        Some(arm)
+    }
+
+    /// Whether controllers describe its configurations.
+    pub(super) fn meets(&self) -> bool {
+        self.meets
     }
 
     /// Origin and direction of each axis, measurement frame.
@@ -68,10 +96,17 @@ impl<'c> Arm<'c> {
             .collect()
     }
 
-    /// Front and elbow in m and m²; none where the last three axes do not meet.
-    fn sides(&mut self, joints: &[f64]) -> Option<(f64, f64)> {
+    /// Front in m, elbow in m², and the sine of the wrist; none where the axes are not those of such an arm.
+    fn sides(&mut self, joints: &[f64]) -> Option<[f64; 3]> {
         let axes = self.axes(joints);
-        let [(o1, z1), (o2, z2), (o3, _), (o4, z4), (o5, z5), (o6, z6)] = axes[..] else { return None };
+        let [(o1, z1), (o2, z2), (o3, z3), (o4, z4), (o5, z5), (o6, z6)] = axes[..] else { return None };
+        let sine = z4.cross(&z6).dot(&z5);
+        if !self.meets {
+            let parallel = z2.cross(&z3).norm().max(z2.cross(&z4).norm());
+            let wrist = meeting(o5, z5, o6, z6).filter(|_| parallel < PARALLEL)?;
+            let front = (wrist - o1).dot(&z2.cross(&z1));
+            return Some([front, (o3 - o2).cross(&(o4 - o3)).dot(&z2), sine]);
+        }
         let wrist = meeting(o4, z4, o5, z5).or_else(|| meeting(o5, z5, o6, z6))?;
         let off = |o: Vector3<f64>, z: Vector3<f64>| (wrist - o).cross(&z).norm();
         if off(o4, z4) > MEET || off(o5, z5) > MEET || off(o6, z6) > MEET {
@@ -79,19 +114,34 @@ impl<'c> Arm<'c> {
         }
         let front = (wrist - o1).dot(&z2.cross(&z1));
         let elbow = (o3 - o2).cross(&(wrist - o3)).dot(&z2);
-        Some((front, elbow))
+        Some([front, elbow, sine])
+    }
+
+    /// Whether shoulder, elbow and wrist are on the same sides at both.
+    pub(super) fn keeps(&mut self, a: &[f64], b: &[f64]) -> bool {
+        let (Some(a), Some(b)) = (self.sides(a), self.sides(b)) else { return false };
+        (0..3).all(|k| a[k].abs() < OPEN[k] || b[k].abs() < OPEN[k] || (a[k] < 0.0) == (b[k] < 0.0))
+    }
+
+    /// Whether the axes 4 and 6 are nearly parallel.
+    pub(super) fn stretched(&mut self, joints: &[f64]) -> bool {
+        self.sides(joints).is_some_and(|sides| sides[2].abs() < STRETCHED)
     }
 
     /// The configuration at these joints (variables), with the reference posture of a controller's values in degrees.
     pub(super) fn configuration(&mut self, joints: &[f64], branch: &Branch) -> Option<Configuration> {
+        if !self.meets {
+            return None;
+        }
         let reference = match branch {
             Branch::Kuka { .. } => [0.0, -90.0, 90.0, 0.0, 45.0, 0.0],
+            Branch::Val3 { .. } => [0.0, 30.0, 60.0, 0.0, 45.0, 0.0],
             _ => [0.0, 0.0, 0.0, 0.0, 45.0, 0.0],
         };
         let mut known = reference.map(f64::to_radians).to_vec();
         self.chain.joints_from_controller(&mut known);
-        let (front, elbow) = self.sides(&known)?;
-        let (here_front, here_elbow) = self.sides(joints)?;
+        let [front, elbow, _] = self.sides(&known)?;
+        let [here_front, here_elbow, _] = self.sides(joints)?;
         let wrist = degrees(self.chain, joints).get(4).is_some_and(|&angle| angle >= 0.0);
         Some(Configuration { front: front * here_front >= 0.0, elbow: elbow * here_elbow >= 0.0, wrist })
     }
@@ -129,6 +179,11 @@ impl Configuration {
             Branch::Abb([.., cfx]) => self.cfx() == *cfx,
             Branch::Fanuc { flip, up, toward, .. } => {
                 self.wrist == *flip && self.elbow == *up && self.front == *toward
+            }
+            Branch::Val3 { lefty, elbow, wrist } => {
+                lefty.is_none_or(|lefty| lefty == self.front)
+                    && elbow.is_none_or(|positive| positive == self.elbow)
+                    && wrist.is_none_or(|positive| positive == self.wrist)
             }
             _ => true,
         }
@@ -230,7 +285,8 @@ mod tests {
 
     #[test]
     fn only_arms_whose_wrist_axes_meet_have_configurations() {
-        assert!(Arm::of(&samples::ur10()).is_none());
+        let ur10 = samples::ur10();
+        assert!(!Arm::of(&ur10).unwrap().meets());
         assert!(Arm::of(&samples::pps()).is_none());
         // KUKA's zero: the arm stretched out horizontally.
         let heavy = samples::heavy();

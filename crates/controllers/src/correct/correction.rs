@@ -9,7 +9,9 @@ pub enum Outcome {
     Corrected,
     /// It stays: the correction is smaller than its uncertainty.
     NotSignificant,
-    /// It must not be changed: the reason says why.
+    /// It stays: at a singularity of the wrist a small correction would turn joints far.
+    Singular,
+    /// It must not be changed, for the reason that is given.
     Refused,
 }
 
@@ -19,6 +21,7 @@ impl Outcome {
         match self {
             Outcome::Corrected => "corrected",
             Outcome::NotSignificant => "not significant",
+            Outcome::Singular => "unchanged at a wrist singularity",
             Outcome::Refused => "refused",
         }
     }

@@ -21,22 +21,20 @@ fn used(program: &Program) -> [BTreeSet<String>; 2] {
     used
 }
 
-/// # Errors
-/// When an option names what none of the programs uses.
-pub(super) fn named(programs: &[Program], options: &CorrectOptions) -> Result<(), ControllerError> {
+/// Frames and tools of the options that no point of the programs uses, in words.
+pub fn unused(programs: &[Program], options: &CorrectOptions) -> Vec<String> {
     let all: Vec<[BTreeSet<String>; 2]> = programs.iter().map(used).collect();
+    let mut found = Vec::new();
     for (which, given) in [&options.frames, &options.tools].into_iter().enumerate() {
         let names: BTreeSet<&str> = all.iter().flat_map(|used| &used[which]).map(String::as_str).collect();
-        if let Some((name, _)) = given.iter().find(|(name, _)| !names.iter().any(|other| same(other, name))) {
-            let kind = ["frame", "tool"][which];
-            let known: Vec<&str> = names.into_iter().collect();
-            let known = if known.is_empty() { "none".into() } else { known.join(", ") };
-            return Err(ControllerError::Option(format!(
-                "no point of the program uses the {kind} `{name}` (used by name: {known})"
-            )));
+        let kind = ["frame", "tool"][which];
+        let known: Vec<&str> = names.iter().copied().collect();
+        let known = if known.is_empty() { "none".into() } else { known.join(", ") };
+        for (name, _) in given.iter().filter(|(name, _)| !names.iter().any(|other| same(other, name))) {
+            found.push(format!("no point of the program uses the {kind} `{name}` (used by name: {known})"));
         }
     }
-    Ok(())
+    found
 }
 
 pub(super) struct Frames<'p> {
@@ -90,12 +88,16 @@ impl<'p> Frames<'p> {
         match reference {
             Reference::Identity => Ok((Pose::IDENTITY, false)),
             Reference::Value(pose) => Ok((*pose, false)),
+            Reference::Excluded(words) => Err(words.clone()),
             Reference::Unknown(words) => match any {
                 Some(pose) => Ok((pose, true)),
                 None => Err(format!("its {kind} is not known: {words} ({option})")),
             },
             Reference::Named(name) => {
                 let definitions = self.program.definitions();
+                if let Some(words) = definitions.excluded(name) {
+                    return Err(words.into());
+                }
                 let name = definitions.last_name(name);
                 if let Some((_, pose)) = named.iter().find(|(other, _)| same(other, name)) {
                     return Ok((*pose, true));

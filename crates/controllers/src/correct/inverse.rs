@@ -1,12 +1,14 @@
 //! The joints of the nominal robot that belong to a pose of a program.
 
+use super::before::{Before, Open, Travel};
 use super::configuration::{Arm, degrees, turns_fit};
+use super::near::{congruent, distance};
 use crate::ControllerError;
 use crate::program::Branch;
-use std::f64::consts::{FRAC_PI_2, PI, TAU};
-use truepose_compensate::{Compensator, CompensatorOptions, Status, Target};
+use std::f64::consts::FRAC_PI_2;
+use truepose_compensate::{Compensator, CompensatorOptions};
 use truepose_errormodel::{FittedModel, Schema};
-use truepose_kinematics::{Chain, Conditions, JointKind, Pose};
+use truepose_kinematics::{Chain, Pose};
 
 /// Joints farther than this from the point before, rad, are compared with all others that reach the pose.
 const FAR: f64 = 0.5;
@@ -14,29 +16,36 @@ const FAR: f64 = 0.5;
 /// The next nearest configuration has to be so many times as far away as the nearest.
 const CLEARLY: f64 = 1.5;
 
-/// Joints closer than this are one solution, rad or m.
-const SAME: f64 = 1e-6;
+/// Why the joints of a point without configuration data are not known.
+pub(super) const NOT_KNOWN: &str = "the arm's configuration is not known here: no point with known joints is before it; put one in \
+                                    joint values before it";
+const NOT_INTERPRETED: &str = "its configuration data is not interpreted for an arm whose last three axes do not meet; give the point in \
+                               joint values";
+const STATED: &str = "it in the configuration that it states";
 
 pub(super) struct Inverse<'m> {
-    chain: &'m Chain,
-    nominal: Compensator<'m>,
-    arm: Option<Arm<'m>>,
+    pub(super) chain: &'m Chain,
+    pub(super) nominal: Compensator<'m>,
+    pub(super) arm: Option<Arm<'m>>,
     turn_axes: Option<[usize; 3]>,
+    /// The same arm without its limits, for the reason why a point is not reached.
+    pub(super) unlimited: Option<Box<Inverse<'m>>>,
 }
 
 impl<'m> Inverse<'m> {
-    /// Of a fit without errors.
+    /// Of a fit without errors, and of the same one without limits.
     pub(super) fn new(
         ideal: &'m FittedModel,
+        unlimited: Option<&'m FittedModel>,
         turn_axes: Option<[usize; 3]>,
     ) -> Result<Self, ControllerError> {
         let options = CompensatorOptions { starts: 0, ..CompensatorOptions::default() };
         let nominal = Compensator::bind(ideal, &Schema::default(), options)?;
-        Ok(Inverse { chain: ideal.chain(), nominal, arm: Arm::of(ideal.chain()), turn_axes })
+        let unlimited = unlimited.map(|fit| Inverse::new(fit, None, turn_axes)).transpose()?.map(Box::new);
+        Ok(Inverse { chain: ideal.chain(), nominal, arm: Arm::of(ideal.chain()), turn_axes, unlimited })
     }
 
-    /// Variables at which the nominal flange is here (robot's base), in the configuration of the branch; `before` are those of the point
-    /// before.
+    /// Variables at which the nominal flange is here (robot's base), in the configuration of the branch and of the motion.
     ///
     /// # Errors
     /// Why there are none, or which ones is not known.
@@ -44,157 +53,173 @@ impl<'m> Inverse<'m> {
         &mut self,
         flange: &Pose,
         branch: &Branch,
-        before: Option<&[f64]>,
-    ) -> Result<Vec<f64>, String> {
+        travel: Travel,
+        before: &Before,
+    ) -> Result<Vec<f64>, Open> {
         if self.chain.movable().len() != 6 {
-            return Err("a pose is read for arms of six joints; give the point in joint values".into());
+            return Err("a pose is read for arms of six joints; give the point in joint values"
+                .to_owned()
+                .into());
         }
         let tool = self.chain.base().pose * *flange * self.chain.tool().pose;
         match branch {
-            Branch::Kuka { .. } | Branch::Abb(_) | Branch::Fanuc { .. } => self.described(&tool, branch, before),
+            Branch::Kuka { .. } | Branch::Abb(_) | Branch::Fanuc { .. } if travel.followed => {
+                let found = self.described(&tool, branch, before);
+                // A line keeps the configuration, whatever S and T are.
+                let keeps =
+                    matches!(branch, Branch::Kuka { .. }) && travel.linear && !before.joints.is_empty();
+                match found {
+                    Err(_) if keeps => self.carried(&tool, true, before),
+                    found => Ok(found?),
+                }
+            }
+            Branch::Val3 { .. } => self.sided(&tool, branch, before),
             Branch::Near(joints) => {
                 let mut near = joints.clone();
                 if near.len() != 6 {
-                    return Err("the joints near it are not six".into());
+                    return Err("the joints near it are not six".to_owned().into());
                 }
                 self.chain.joints_from_controller(&mut near);
                 self.nearest(&tool, &near)
             }
-            Branch::Continuous | Branch::Opaque(_) => match before {
-                Some(before) => self.nearest(&tool, before),
-                None => Err("the arm's configuration is not known here: no point with known joints is before it (--start)".into()),
-            },
+            _ => self.carried(&tool, travel.linear, before),
         }
     }
 
-    /// One solution from a seed.
-    fn from(&mut self, tool: &Pose, seed: &[f64]) -> Option<Vec<f64>> {
-        let target = Target::at(tool.translation).turned(tool.rotation);
-        let command = self.nominal.command(&target, &Conditions::at(self.chain, seed), Some(seed));
-        (command.status == Status::Ok).then(|| command.joints.to_vec())
+    /// The joints nearest to some at which the nominal flange is here.
+    pub(super) fn near(&mut self, flange: &Pose, joints: &[f64]) -> Option<Vec<f64>> {
+        let tool = self.chain.base().pose * *flange * self.chain.tool().pose;
+        self.from(&tool, joints)
     }
 
-    /// All solutions that were found, whole turns included.
-    fn all(&mut self, tool: &Pose, first: Option<&[f64]>) -> Vec<Vec<f64>> {
+    /// Whether configuration data of a point describes these joints.
+    pub(super) fn states(&mut self, joints: &[f64], branch: &Branch) -> bool {
+        let Some(mut arm) = self.arm.take() else { return false };
+        let fits = self.fits(&mut arm, joints, branch);
+        self.arm = Some(arm);
+        fits
+    }
+
+    /// Whether axes 4 and 6 are nearly parallel.
+    pub(super) fn stretched(&mut self, joints: &[f64]) -> bool {
+        self.arm.as_mut().is_some_and(|arm| arm.stretched(joints))
+    }
+
+    /// The solution in the configuration of where the robot was.
+    fn carried(&mut self, tool: &Pose, linear: bool, before: &Before) -> Result<Vec<f64>, Open> {
+        if before.joints.is_empty() || (before.sides && !linear) {
+            return Err(NOT_KNOWN.to_owned().into());
+        }
         let mut found: Vec<Vec<f64>> = Vec::new();
-        let mut seeds: Vec<Vec<f64>> = first.map(<[f64]>::to_vec).into_iter().collect();
-        seeds.extend(self.grid());
-        let mut at = 0;
-        while at < seeds.len() {
-            let solution = self.from(tool, &seeds[at]);
-            at += 1;
-            let Some(mut solution) = solution else { continue };
-            self.principal(&mut solution);
-            if found.iter().any(|other| distance(other, &solution) < SAME) {
-                continue;
-            }
-            // The other side of the wrist.
-            for sign in [-PI, PI] {
-                let mut flipped = solution.clone();
-                flipped[3] += sign;
-                flipped[4] = -flipped[4];
-                flipped[5] -= sign;
-                seeds.push(flipped);
-            }
-            found.push(solution);
-        }
-        found.iter().flat_map(|solution| self.turned(solution)).collect()
-    }
-
-    /// Seeds over the whole range of the first three joints.
-    fn grid(&self) -> Vec<Vec<f64>> {
-        let value = |k: usize, part: f64| {
-            let joint = self.chain.joint(self.chain.movable()[k]);
-            let (lower, upper) = joint.limits.unwrap_or((-PI, PI));
-            let (lower, upper) = match joint.kind {
-                JointKind::Revolute => (lower.max(-PI), upper.min(PI)),
-                _ => (lower, upper),
+        let (mut reason, mut several) = (String::new(), false);
+        for from in &before.joints {
+            let one = if linear { self.along(tool, from) } else { self.nearest(tool, from) };
+            let more = match one {
+                Ok(joints) => vec![joints],
+                Err(open) => {
+                    reason = open.reason;
+                    several |= !open.may_be.is_empty();
+                    open.may_be
+                }
             };
-            lower + part * (upper - lower)
-        };
-        let mut seeds = Vec::new();
-        for first in [0.125, 0.375, 0.625, 0.875] {
-            for second in [0.2, 0.5, 0.8] {
-                for third in [0.15, 0.4, 0.6, 0.85] {
-                    for wrist in [0.3, 0.7] {
-                        let parts = [first, second, third, 0.55, wrist, 0.55];
-                        seeds.push((0..6).map(|k| value(k, parts[k])).collect());
-                    }
+            for joints in more {
+                if !found.iter().any(|other| congruent(other, &joints)) {
+                    found.push(joints);
                 }
             }
         }
-        seeds
-    }
-
-    fn within(&self, k: usize, value: f64) -> bool {
-        let limits = self.chain.joint(self.chain.movable()[k]).limits;
-        limits.is_none_or(|(lower, upper)| value >= lower && value <= upper)
-    }
-
-    /// Whole turns taken away as far as the limits allow.
-    fn principal(&self, joints: &mut [f64]) {
-        for (k, value) in joints.iter_mut().enumerate() {
-            if self.chain.joint(self.chain.movable()[k]).kind == JointKind::Revolute {
-                let short = *value - TAU * (*value / TAU).round();
-                if self.within(k, short) {
-                    *value = short;
-                }
+        match (&found[..], &before.since) {
+            ([one], _) if !several => Ok(one.clone()),
+            (_, Some(since)) if found.len() > 1 => {
+                let reason = format!("the arm's configuration is not known since {since}");
+                Err(Open { reason, may_be: found })
             }
+            _ => Err(Open { reason, may_be: found }),
         }
-    }
-
-    /// A solution with whole turns added in every way that the limits allow.
-    fn turned(&self, solution: &[f64]) -> Vec<Vec<f64>> {
-        let mut all = vec![solution.to_vec()];
-        for k in 0..solution.len() {
-            if self.chain.joint(self.chain.movable()[k]).kind != JointKind::Revolute {
-                continue;
-            }
-            let more: Vec<Vec<f64>> = all
-                .iter()
-                .flat_map(|joints| [-TAU, TAU].map(|turn| (joints, joints[k] + turn)))
-                .filter(|&(_, value)| value.abs() < 1.5 * TAU && self.within(k, value))
-                .map(|(joints, value)| {
-                    let mut joints = joints.clone();
-                    joints[k] = value;
-                    joints
-                })
-                .collect();
-            all.extend(more);
-        }
-        all
     }
 
     /// The solution nearest to some joints.
-    fn nearest(&mut self, tool: &Pose, before: &[f64]) -> Result<Vec<f64>, String> {
+    fn nearest(&mut self, tool: &Pose, before: &[f64]) -> Result<Vec<f64>, Open> {
         if let Some(found) = self.from(tool, before)
-            && found.iter().zip(before).all(|(a, b)| (a - b).abs() < FAR)
+            && close(&found, before)
         {
             return Ok(found);
         }
         let mut all = self.all(tool, Some(before));
         all.sort_by(|a, b| distance(a, before).total_cmp(&distance(b, before)));
-        match &all[..] {
-            [] => Err("no joint values of the nominal robot reach it".into()),
-            [best, next, ..] if distance(next, before) < CLEARLY * distance(best, before) => {
-                let far = distance(best, before).to_degrees();
-                Err(format!(
-                    "the arm's configuration is not known: two that reach it are about equally far ({far:.0}°) from the point before"
-                ))
+        let Some(best) = all.first().cloned() else {
+            return Err(self.unreached(tool, Some(before), |_, _| true, "it").into());
+        };
+        let far = distance(&best, before);
+        // Whole turns of an axis are the same configuration.
+        let mut rivals: Vec<Vec<f64>> = Vec::new();
+        for joints in all.into_iter().filter(|joints| distance(joints, before) < CLEARLY * far) {
+            if !rivals.iter().any(|other| congruent(other, &joints)) {
+                rivals.push(joints);
             }
-            [best, ..] => Ok(best.clone()),
+        }
+        if rivals.len() > 1 {
+            let reason = format!(
+                "the arm's configuration is not known: two that reach it are about equally far ({:.0}°) from the point before",
+                far.to_degrees()
+            );
+            return Err(Open { reason, may_be: rivals });
+        }
+        Ok(best)
+    }
+
+    /// The solution at the end of a line or an arc: shoulder, elbow and wrist stay.
+    fn along(&mut self, tool: &Pose, before: &[f64]) -> Result<Vec<f64>, Open> {
+        let Some(mut arm) = self.arm.take() else { return self.nearest(tool, before) };
+        let quick = self.from(tool, before).filter(|found| close(found, before) && arm.keeps(before, found));
+        let found = match quick {
+            Some(found) => Some(found),
+            None => {
+                let mut found = self.solutions(tool, Some(before), |_, joints| arm.keeps(before, joints));
+                found.retain(|joints| arm.keeps(before, joints));
+                let turned = found.iter().flat_map(|solution| self.turned(solution));
+                turned.min_by(|a, b| distance(a, before).total_cmp(&distance(b, before)))
+            }
+        };
+        self.arm = Some(arm);
+        let words = "it along a line, on which shoulder, elbow and wrist stay as at the point before";
+        match found {
+            Some(found) => Ok(found),
+            None => {
+                Err(self.unreached(tool, Some(before), |arm, joints| arm.keeps(before, joints), words).into())
+            }
+        }
+    }
+
+    /// The solution of a configuration of which parts may be those of the point before.
+    fn sided(&mut self, tool: &Pose, branch: &Branch, before: &Before) -> Result<Vec<f64>, Open> {
+        if !self.arm.as_ref().is_some_and(Arm::meets) {
+            return Err(NOT_INTERPRETED.to_owned().into());
+        }
+        let Some(from) = before.joints.first().filter(|_| !before.sides) else {
+            let all = matches!(branch, Branch::Val3 { lefty: Some(_), elbow: Some(_), wrist: Some(_) });
+            return match all {
+                true => Ok(self.described(tool, branch, before)?),
+                false => self.carried(tool, false, before),
+            };
+        };
+        let mut all = self.all(tool, Some(from));
+        let reached = !all.is_empty();
+        all.retain(|joints| self.states(joints, branch));
+        let nearest = all.into_iter().min_by(|a, b| distance(a, from).total_cmp(&distance(b, from)));
+        match nearest {
+            Some(found) => Ok(found),
+            None if reached => {
+                Err(self.unreached(tool, Some(from), |arm, j| states(arm, j, branch), STATED).into())
+            }
+            None => Err(self.unreached(tool, Some(from), |_, _| true, "it").into()),
         }
     }
 
     /// The solution that a configuration describes.
-    fn described(
-        &mut self,
-        tool: &Pose,
-        branch: &Branch,
-        before: Option<&[f64]>,
-    ) -> Result<Vec<f64>, String> {
-        let Some(mut arm) = self.arm.take() else {
-            return Err("its configuration data is not interpreted for an arm whose last three axes do not meet; give the point in joint values".into());
+    fn described(&mut self, tool: &Pose, branch: &Branch, before: &Before) -> Result<Vec<f64>, String> {
+        let Some(mut arm) = self.arm.take_if(|arm| arm.meets()) else {
+            return Err(NOT_INTERPRETED.into());
         };
         if let Branch::Fanuc { turns, .. } = branch
             && turns.iter().any(|&turn| turn != 0)
@@ -203,39 +228,44 @@ impl<'m> Inverse<'m> {
             self.arm = Some(arm);
             return Err("which axes its turn numbers are of is not known (--turn-axes)".into());
         }
-        let quick = before
+        let first = before.joints.first().map(Vec::as_slice);
+        let quick = first
             .and_then(|before| self.from(tool, before))
-            .filter(|found| self.fits(&mut arm, found, branch, true));
-        let found = match quick {
-            Some(found) => Ok(found),
-            None => {
-                let mut all = self.all(tool, before);
-                all.retain(|joints| turns_fit(branch, &degrees(self.chain, joints), self.turn_axes));
-                let turning = all.clone();
-                all.retain(|joints| self.fits(&mut arm, joints, branch, true));
-                // Older arms of ABB have no cfx: where the quadrants leave one solution, it is that.
-                if all.is_empty() && matches!(branch, Branch::Abb([.., 0])) && turning.len() == 1 {
-                    all = turning;
-                }
-                all.sort_by(|a, b| turned(a).total_cmp(&turned(b)));
-                all.into_iter().next().ok_or_else(|| {
-                    "no joint values of the nominal robot reach it in the configuration that it states".into()
-                })
+            .filter(|found| self.fits(&mut arm, found, branch));
+        let found = quick.or_else(|| {
+            let mut found = self.solutions(tool, first, |own, joints| {
+                states(&mut arm, joints, branch)
+                    && own.turned(joints).iter().any(|j| own.turns_fit(j, branch))
+            });
+            let mut all: Vec<Vec<f64>> = found.iter().flat_map(|solution| self.turned(solution)).collect();
+            all.retain(|joints| self.turns_fit(joints, branch));
+            found.clone_from(&all);
+            all.retain(|joints| states(&mut arm, joints, branch));
+            // Older arms of ABB have no cfx: where the quadrants leave one solution, it is that.
+            if all.is_empty() && matches!(branch, Branch::Abb([.., 0])) && found.len() == 1 {
+                all = found;
             }
-        };
+            all.into_iter().min_by(|a, b| turned(a).total_cmp(&turned(b)))
+        });
         self.arm = Some(arm);
-        found
+        match found {
+            Some(found) => Ok(found),
+            None => Err(self.unreached(tool, first, |arm, joints| states(arm, joints, branch), STATED)),
+        }
     }
 
-    fn fits(&self, arm: &mut Arm<'_>, joints: &[f64], branch: &Branch, letters: bool) -> bool {
+    fn turns_fit(&self, joints: &[f64], branch: &Branch) -> bool {
         turns_fit(branch, &degrees(self.chain, joints), self.turn_axes)
-            && (!letters || arm.configuration(joints, branch).is_some_and(|found| found.fits(branch)))
+    }
+
+    fn fits(&self, arm: &mut Arm<'_>, joints: &[f64], branch: &Branch) -> bool {
+        self.turns_fit(joints, branch) && states(arm, joints, branch)
     }
 
     /// Whether two postures have the same configuration, in the words of a branch.
     pub(super) fn same(&mut self, a: &[f64], b: &[f64], branch: &Branch) -> bool {
         match (&mut self.arm, branch) {
-            (Some(arm), Branch::Kuka { .. } | Branch::Abb(_) | Branch::Fanuc { .. }) => {
+            (Some(arm), Branch::Kuka { .. } | Branch::Abb(_) | Branch::Fanuc { .. }) if arm.meets() => {
                 arm.configuration(a, branch) == arm.configuration(b, branch)
             }
             _ => distance(a, b) < FRAC_PI_2,
@@ -243,8 +273,13 @@ impl<'m> Inverse<'m> {
     }
 }
 
-fn distance(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
+/// Whether a configuration is that of the letters of a branch.
+fn states(arm: &mut Arm<'_>, joints: &[f64], branch: &Branch) -> bool {
+    arm.configuration(joints, branch).is_some_and(|found| found.fits(branch))
+}
+
+fn close(a: &[f64], b: &[f64]) -> bool {
+    a.iter().zip(b).all(|(a, b)| (a - b).abs() < FAR)
 }
 
 fn turned(joints: &[f64]) -> f64 {

@@ -25,7 +25,9 @@ pub struct CorrectOptions {
     pub channels: Vec<(String, f64)>,
     /// Largest correction, m.
     pub limit: f64,
-    /// External axes move neither the robot nor what the points are on.
+    /// External axes of the program that are joints of the robot: name in the program, name of the joint.
+    pub external: Vec<(String, String)>,
+    /// Other external axes move neither the robot nor what the points are on.
     pub ignore_external: bool,
     /// The axes (1 to 6) of FANUC's three turn numbers.
     pub turn_axes: Option<[usize; 3]>,
@@ -47,6 +49,7 @@ impl Default for CorrectOptions {
             channels: Vec::new(),
             // No arm of which measurements are published errs by more than 6 mm: more is a wrong frame, unit or load.
             limit: 0.01,
+            external: Vec::new(),
             ignore_external: false,
             turn_axes: None,
             pulses: None,

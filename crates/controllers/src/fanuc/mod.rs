@@ -1,29 +1,39 @@
 //! FANUC TP as text, `.ls`.
 //!
 //! ```text
-//! /MN     n: (J|L|C|A|S) P[n] … [Offset|Tool_Offset|VOFFSET|INC|COORD] ;         which points are reached, and how
+//! /MN     n: (J|L|C|A|S) P[n] … ;                       which points are reached; options as Offset and INC displace them
 //! /POS    P[n:"name"]{
 //!           GP1:
-//!             UF : n, UT : n, CONFIG : 'N U T, 0, 0, 0',
+//!             UF : n, UT : n, CONFIG : 'N U T, 0, 0, 0',      CONFIG in the language of the controller
 //!             X = … mm, Y = … mm, Z = … mm, W = … deg, P = … deg, R = … deg
 //!           | UF : n, UT : n,  J1= … deg, …
 //!           GP2: …
 //!         };
 //! ```
 //!
-//! The values of user frames and tools are in the controller, not in the program: `UF1`, `UT1` name them; 0 is none.
+//! The values of user frames and tools are in a file of their own (see `frames`): `UF1`, `UT1` name them; 0 is none.
 
+mod frames;
 mod motions;
 mod position;
 
+use crate::event::Visit;
 use crate::lines::lines;
-use crate::program::{Definitions, Step};
+use crate::program::Definitions;
 use crate::tokens::{Lexis, tokens_from};
 use crate::{ControllerError, Dialect, Program};
+use std::collections::BTreeMap;
 
 const LEXIS: Lexis = Lexis { comment: 0, quotes: b"\"'", header: None, escapes: false };
 
-pub(crate) fn read(text: &[u8], _others: &[&[u8]]) -> Result<Program, ControllerError> {
+pub(crate) fn read(text: &[u8], others: &[&[u8]]) -> Result<Program, ControllerError> {
+    let mut definitions = Definitions::default();
+    for text in others.iter().copied().chain([text]).filter(|text| frames::is(text)) {
+        frames::read(text, &mut definitions);
+    }
+    if frames::is(text) {
+        return Ok(Program::of_frames(Dialect::Fanuc, text, definitions));
+    }
     let lines = lines(text);
     let head = |word: &str| lines.iter().position(|line| line.after(word).is_some_and(<[u8]>::is_empty));
     let Some(mn) = head("/MN") else {
@@ -41,24 +51,24 @@ pub(crate) fn read(text: &[u8], _others: &[&[u8]]) -> Result<Program, Controller
     }
     let known: Vec<i64> = points.iter().filter_map(position::number_of).collect();
     let motions = motions::read(&lines[mn + 1..pos], &known);
+    let place: BTreeMap<i64, usize> =
+        points.iter().enumerate().filter_map(|(k, point)| Some((position::number_of(point)?, k))).collect();
     for (number, words) in &motions.displaced {
-        for point in points.iter_mut().filter(|point| position::number_of(point) == Some(*number)) {
-            point.fixed.get_or_insert_with(|| words.clone());
+        if let Some(&k) = place.get(number) {
+            points[k].fixed.get_or_insert_with(|| words.clone());
         }
     }
-    let place = |number: i64| points.iter().position(|point| position::number_of(point) == Some(number));
-    let order = motions
-        .reached
-        .iter()
-        .map(|number| number.and_then(place).map_or(Step::Elsewhere, Step::Point))
-        .collect();
-    let definitions = Definitions::default();
+    let visit = |&(number, linear): &(Option<i64>, bool)| {
+        let at = number.and_then(|number| place.get(&number).copied());
+        Visit::event(at.into_iter().collect(), linear)
+    };
+    let route = vec![motions.reached.iter().map(visit).collect()];
     Ok(Program {
         dialect: Dialect::Fanuc,
         text: text.to_vec(),
         points,
         definitions,
-        order,
+        route,
         notes: motions.notes,
     })
 }

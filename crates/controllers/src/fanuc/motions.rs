@@ -2,23 +2,122 @@
 
 use crate::lines::Line;
 use crate::program::Note;
+use std::collections::BTreeSet;
 
 #[derive(Debug, Default)]
 pub(super) struct Motions {
-    /// Numbers of the points in the order of the program; none: another place.
-    pub(super) reached: Vec<Option<i64>>,
+    /// Numbers of the points in the order of the program (none: another place), and whether the way is a line or an arc.
+    pub(super) reached: Vec<(Option<i64>, bool)>,
     /// Points that an instruction displaces, and why.
     pub(super) displaced: Vec<(i64, String)>,
     pub(super) notes: Vec<Note>,
     /// Numbers of the points that have a value.
-    known: Vec<i64>,
+    known: BTreeSet<i64>,
 }
 
-/// Words behind a point that move it, or the robot relative to something.
-const DISPLACING: [&str; 5] = ["OFFSET", "TOOL_OFFSET", "VOFFSET", "INC", "COORD"];
+/// Parts of words behind a point that move it, or the robot relative to something, in the languages of the controllers.
+const DISPLACING: [&str; 4] = ["OFFS", "VERSATZ", "DECAL", "DESPL"];
+const DISPLACES: [&str; 8] = ["INC", "INK", "INKR", "INCR", "COORD", "KOORD", "SEARCH", "SUCHE"];
+
+/// The tool stands still.
+const REMOTE: &str = "RTCP";
+
+/// Words behind a point that leave it where it is: speeds, terminations, conditions, processes.
+const HARMLESS: [&str; 86] = [
+    "MM",
+    "CM",
+    "INCH",
+    "ZOLL",
+    "DEG",
+    "GRAD",
+    "SEC",
+    "SEK",
+    "MSEC",
+    "MSEK",
+    "MIN",
+    "S",
+    "MAX_SPEED",
+    "MAX_GESCHW",
+    "MAX_VEL",
+    "WELD_SPEED",
+    "R",
+    "AR",
+    "FINE",
+    "FEIN",
+    "FIN",
+    "CNT",
+    "CR",
+    "CD",
+    "ACC",
+    "WJNT",
+    "HGELENK",
+    "PTH",
+    "EV",
+    "IND",
+    "SKIP",
+    "INTERRUPT",
+    "LBL",
+    "LABEL",
+    "P",
+    "PR",
+    "QUICK",
+    "SKIPJUMP",
+    "PSPD",
+    "BREAK",
+    "MROT",
+    "LOCK",
+    "RT_LD",
+    "AP_LD",
+    "DIST",
+    "MPASS",
+    "ARC",
+    "WELD",
+    "SPOT",
+    "START",
+    "END",
+    "ON",
+    "OFF",
+    "EIN",
+    "AUS",
+    "AN",
+    "SV",
+    "GUN",
+    "BU",
+    "BACKUP",
+    "PRESS",
+    "PRESS_MOTN",
+    "WS",
+    "WE",
+    "WEAVE",
+    "SINE",
+    "TRACK",
+    "TAST",
+    "AVC",
+    "SS",
+    "SE",
+    "SEAL",
+    "SEALING",
+    "GLUE",
+    "LASER",
+    "PAINT",
+    "VIA",
+    "TANGENT",
+    "ATT",
+    "HOP",
+    "TOUCHUP",
+    "RSV",
+    "LV",
+    "LE",
+    "LS",
+    "PATH",
+];
+
+/// Words behind which an action is stated, with names of its own.
+const ACTIONS: [&str; 12] =
+    ["TA", "TB", "DB", "TIME", "ZEIT", "TEMPS", "TIEMPO", "CALL", "AUFRUF", "DO", "DISTANCE", "POINT_LOGIC"];
 
 pub(super) fn read(lines: &[Line<'_>], known: &[i64]) -> Motions {
-    let mut found = Motions { known: known.to_vec(), ..Motions::default() };
+    let mut found = Motions { known: known.iter().copied().collect(), ..Motions::default() };
     let mut statement: Vec<u8> = Vec::new();
     let mut begun = 0;
     for line in lines {
@@ -48,42 +147,85 @@ impl Motions {
         let goes = rest.trim_start().starts_with("P[") || rest.trim_start().starts_with("PR[");
         if goes {
             self.motion(rest, text, line);
-        } else if text.starts_with("PR[") && references(text).iter().any(|name| name.0 == "P") {
-            let words =
-                "a position register is computed from a point: from a compensated one it comes out displaced";
+        } else if ["PAYLOAD", "TRAGLST"].iter().any(|word| text.starts_with(word)) {
+            self.notes.push(Note::load(line, shown(text)));
+        } else if references(text).iter().any(|name| name.0 == "P") {
+            let words = match text.starts_with("PR[") {
+                true => {
+                    "a position register is computed from a point: from a compensated one it comes out displaced"
+                }
+                false => "it has a point and is not understood: whether the robot moves there is not known",
+            };
             self.notes.push(Note::refusing(line, shown(text), words.into()));
         }
     }
 
     fn motion(&mut self, rest: &str, text: &str, line: usize) {
         let all = references(rest);
-        let words = rest.split(|c: char| !(c.is_ascii_alphanumeric() || c == '_'));
-        let displacing = words.map(str::to_ascii_uppercase).find(|word| DISPLACING.contains(&word.as_str()));
+        let words = behind(rest);
+        let displaces = |word: &&String| {
+            DISPLACES.contains(&word.as_str()) || DISPLACING.iter().any(|part| word.contains(part))
+        };
+        let displacing = words.iter().find(displaces);
+        let mut why =
+            displacing.map(|word| format!("{word} in line {line} displaces it while the program runs"));
+        if words.iter().any(|word| word == REMOTE) {
+            why = Some(format!("{REMOTE} in line {line}: the tool stands still, which is not compensated"));
+        }
+        let stated = words.iter().position(|word| ACTIONS.contains(&word.as_str())).unwrap_or(words.len());
+        let harmless =
+            |word: &String| HARMLESS.contains(&word.trim_end_matches(|c: char| c.is_ascii_digit()));
+        if why.is_none()
+            && let Some(word) = words[..stated].iter().find(|word| !harmless(word))
+        {
+            let words = format!("`{word}` behind its point is not understood");
+            self.notes.push(Note::refusing(line, shown(text), words));
+        }
+        let linear = !text.starts_with('J');
         // Register arguments behind Offset are none of the destinations: at most two stand in front.
         let places = if text.starts_with('C') { 2 } else { 1 };
         for (list, number) in all.into_iter().take(places) {
             match number.filter(|_| list == "P") {
                 Some(number) if !self.known.contains(&number) => {
-                    self.reached.push(None);
+                    self.reached.push((None, linear));
                     self.notes.push(Note::missing(line, shown(text), format!("P[{number}]")));
                 }
                 Some(number) => {
-                    self.reached.push(Some(number));
-                    if let Some(word) = &displacing {
-                        self.displaced.push((
-                            number,
-                            format!("{word} in line {line} displaces it while the program runs"),
-                        ));
-                    }
+                    self.reached.push((Some(number), linear));
+                    self.displaced.extend(why.clone().map(|words| (number, words)));
                 }
                 None => {
-                    self.reached.push(None);
+                    self.reached.push((None, linear));
                     let number = number.map_or("…".into(), |number| number.to_string());
                     self.notes.push(Note::missing(line, shown(text), format!("{list}[{number}]")));
                 }
             }
         }
     }
+}
+
+/// Words behind the first point in capitals, without what is in brackets and quotes.
+fn behind(rest: &str) -> Vec<String> {
+    let mut plain = String::new();
+    let (mut depth, mut quoted) = (0usize, false);
+    for c in rest.chars() {
+        match c {
+            '"' | '\'' => quoted = !quoted,
+            '[' if !quoted => depth += 1,
+            ']' if !quoted => depth = depth.saturating_sub(1),
+            _ if depth > 0 || quoted => continue,
+            c => {
+                plain.push(c);
+                continue;
+            }
+        }
+        plain.push(' ');
+    }
+    let words = plain.split(|c: char| !(c.is_alphanumeric() || c == '_' || c == '.'));
+    let words = words.map(|word| word.trim_matches('.').to_uppercase());
+    // `.5sec`, `500mm`: a number and its unit.
+    let unit = |word: String| word.trim_start_matches(|c: char| c.is_ascii_digit() || c == '.').to_owned();
+    words.map(unit).filter(|word| !word.is_empty()).collect()
 }
 
 fn shown(text: &str) -> String {

@@ -5,6 +5,7 @@ use crate::number::{Form, Slot, number_at};
 use crate::program::{Branch, Point, Reference, Value};
 use crate::tokens::{Cursor, Kind, Token};
 use crate::{ControllerError, Dialect};
+use std::collections::BTreeSet;
 
 const POSE: [&str; 6] = ["X", "Y", "Z", "W", "P", "R"];
 const JOINTS: [&str; 6] = ["J1", "J2", "J3", "J4", "J5", "J6"];
@@ -18,12 +19,13 @@ pub(super) fn points(text: &[u8], all: &[Token]) -> Result<Vec<Point>, Controlle
     let tokens: Vec<Token> = all.iter().filter(|token| token.kind != Kind::End).cloned().collect();
     let mut at = Cursor::new(text, &tokens);
     let mut points: Vec<Point> = Vec::new();
+    let mut numbers = BTreeSet::new();
     while let Some(token) = at.peek() {
         if at.peek_word() != Some("P") {
             return Err(syntax(text, token.range.start, "expected a position P[n]{ … };"));
         }
         let point = position(&mut at)?;
-        if points.iter().any(|other| number_of(other) == number_of(&point)) {
+        if !numbers.insert(number_of(&point)) {
             return Err(syntax(text, token.range.start, format!("{} is there twice", point.name)));
         }
         points.push(point);
@@ -105,8 +107,9 @@ fn groups(text: &[u8], inside: &[Token], point: &mut Point) {
                     Some(number) => Reference::Named(format!("{name}{number:.0}")),
                     None => Reference::Unknown(format!("{name} is the one that is active, not a number")),
                 };
-            } else if word == "CONFIG" && group == 1 {
-                config = at.peek().filter(|token| token.kind == Kind::Text).cloned();
+            } else if let Some(token) = at.peek().filter(|token| token.kind == Kind::Text && group == 1) {
+                // `CONFIG`, `KONFIG`: the word is that of the controller's language.
+                config = Some(token.clone());
             }
             to_comma(&mut at);
             continue;
@@ -130,7 +133,7 @@ fn groups(text: &[u8], inside: &[Token], point: &mut Point) {
         }
         if group == 1 && !word.starts_with('E') {
             entries.push(Entry { name: word, value, unit });
-        } else if value.as_ref().is_none_or(|(value, _)| *value != 0.0) {
+        } else {
             let name = if group == 1 { word } else { format!("GP{group} {word}") };
             point.external.push((name, value.map_or(f64::NAN, |(value, _)| value)));
         }
@@ -151,6 +154,12 @@ fn to_comma(at: &mut Cursor<'_>) {
 }
 
 fn fill(text: &[u8], point: &mut Point, entries: &[Entry], active: [Reference; 2], config: Option<&Token>) {
+    if entries.iter().any(|entry| entry.name == "RX") {
+        // Positions of a remote tool centre point.
+        let words = "the tool stands still and the robot holds the work (RX, RY, RZ: remote TCP), which is not compensated";
+        point.fixed.get_or_insert_with(|| words.into());
+        return;
+    }
     let joints = entries.iter().any(|entry| entry.name == "J1");
     let names: &[&str] = if joints { &JOINTS } else { &POSE };
     let mut numbers = Vec::new();

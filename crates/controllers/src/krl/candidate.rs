@@ -62,7 +62,6 @@ pub(super) fn candidate(
         .filter_map(|name| {
             aggregate.entry(name).map(|e| (name, e.value.as_ref().map_or(f64::NAN, |v| v.value)))
         })
-        .filter(|(_, value)| *value != 0.0)
         .map(|(name, value)| (name.clone(), value))
         .collect();
     let names: Vec<&str> =

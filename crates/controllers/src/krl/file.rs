@@ -3,13 +3,16 @@
 use super::aggregate::Aggregate;
 use super::candidate::{Candidate, candidate, pose};
 use crate::ControllerError;
-use crate::flow::{Active, FRAME, Flow, TOOL};
+use crate::flow::{Active, FRAME, Flow, Outer, TOOL};
 use crate::program::{Definition, Reference};
 use crate::tokens::{Cursor, Kind, Lexis, tokens};
 
 const LEXIS: Lexis = Lexis { comment: b';', quotes: b"\"'", header: Some(b'&'), escapes: false };
+/// Why points are not compensated where the tool stands still.
+const FIXED_TOOL: &str =
+    "the tool stands still and the robot holds the work ($IPO_MODE = #TCP), which is not compensated";
 const TYPES: [&str; 5] = ["E6POS", "POS", "E6AXIS", "AXIS", "FRAME"];
-const MOTIONS: [&str; 7] = ["PTP", "LIN", "CIRC", "SPTP", "SLIN", "SCIRC", "SPL"];
+pub(super) const MOTIONS: [&str; 7] = ["PTP", "LIN", "CIRC", "SPTP", "SLIN", "SCIRC", "SPL"];
 
 /// A motion to a name, or to something that is computed.
 #[derive(Debug, Clone)]
@@ -24,6 +27,19 @@ pub(super) struct Motion {
     pub(super) used: usize,
     /// Whether an aggregate stands there.
     pub(super) inline: bool,
+    /// Along a line or an arc.
+    pub(super) linear: bool,
+    /// Why it is not understood.
+    pub(super) odd: Option<String>,
+}
+
+/// What happens, in the order of the text.
+#[derive(Debug, Clone)]
+pub(super) enum Step {
+    Motion(usize),
+    Begin(String),
+    End,
+    Call(String),
 }
 
 #[derive(Debug, Clone)]
@@ -36,12 +52,21 @@ pub(super) struct File {
     pub(super) declared: Vec<(String, String)>,
     /// Names whose value is changed by a statement that is no literal, and its line.
     pub(super) changed: Vec<(String, usize)>,
+    pub(super) steps: Vec<Step>,
+    /// Statements that are no motions but have something of one: line, statement, the names in it, and whether a literal point is in it.
+    pub(super) odd: Vec<(usize, String, Vec<String>, bool)>,
+    /// LOAD_DATA and $LOAD: line and words.
+    pub(super) loads: Vec<(usize, String)>,
 }
 
-struct Reader<'t> {
-    text: &'t [u8],
-    flow: Flow,
-    file: File,
+pub(super) struct Reader<'t> {
+    pub(super) text: &'t [u8],
+    pub(super) flow: Flow,
+    /// Whether the tool is on the robot, in the place of the frame.
+    pub(super) mode: Flow,
+    /// What was active in front of a spline.
+    pub(super) outside: Option<[Outer; 2]>,
+    pub(super) file: File,
 }
 
 impl File {
@@ -54,12 +79,22 @@ impl File {
             definitions: Vec::new(),
             declared: Vec::new(),
             changed: Vec::new(),
+            steps: Vec::new(),
+            odd: Vec::new(),
+            loads: Vec::new(),
         };
-        let mut reader = Reader { text, flow: Flow::new("it is not set before"), file };
+        let mut mode = Flow::new("");
+        mode.restart([Reference::Identity, Reference::Identity]);
+        let mut reader = Reader { text, flow: Flow::new("it is not set before"), mode, outside: None, file };
         for line in all.split_inclusive(|token| token.kind == Kind::End) {
             reader.statement(&mut Cursor::new(text, line))?;
         }
         reader.file.uses = reader.flow.uses;
+        for (active, mode) in reader.file.uses.iter_mut().zip(&reader.mode.uses) {
+            if mode[FRAME] != Reference::Identity {
+                *active = [FIXED_TOOL, FIXED_TOOL].map(|words| Reference::Excluded(words.into()));
+            }
+        }
         Ok(reader.file)
     }
 }
@@ -68,15 +103,14 @@ impl<'t> Reader<'t> {
     fn statement(&mut self, at: &mut Cursor<'t>) -> Result<(), ControllerError> {
         let Some(first) = at.peek_word().map(str::to_ascii_uppercase) else { return Ok(()) };
         match first.as_str() {
-            "IF" | "SWITCH" => self.flow.open(false),
-            "ELSE" | "CASE" | "DEFAULT" => self.flow.branch(),
-            "FOR" | "WHILE" | "LOOP" | "REPEAT" => self.flow.open(true),
-            "ENDIF" | "ENDSWITCH" | "ENDFOR" | "ENDWHILE" | "ENDLOOP" | "UNTIL" => self.flow.close(),
-            "DEF" | "DEFFCT" => {
-                let unknown = || Reference::Unknown("it is not set before".into());
-                self.flow.restart([unknown(), unknown()]);
-            }
-            "DECL" | "GLOBAL" | "CONST" => return self.declaration(at),
+            "IF" | "SWITCH" => self.both(|flow| flow.open(false)),
+            "ELSE" | "CASE" | "DEFAULT" => self.both(Flow::branch),
+            "FOR" | "WHILE" | "LOOP" | "REPEAT" => self.both(|flow| flow.open(true)),
+            "ENDIF" | "ENDSWITCH" | "ENDFOR" | "ENDWHILE" | "ENDLOOP" | "UNTIL" => self.both(Flow::close),
+            "DEF" | "DEFFCT" | "DECL" | "GLOBAL" | "CONST" => return self.declaration(at),
+            "END" | "ENDFCT" => self.file.steps.push(Step::End),
+            "SPLINE" | "PTP_SPLINE" => return self.spline(at),
+            "ENDSPLINE" => self.ends(),
             "BAS" => self.bas(at),
             _ if MOTIONS.contains(&first.as_str()) => return self.motion(at, false),
             _ if first.strip_suffix("_REL").is_some_and(|word| MOTIONS.contains(&word)) => {
@@ -88,14 +122,29 @@ impl<'t> Reader<'t> {
         Ok(())
     }
 
+    fn both(&mut self, step: impl Fn(&mut Flow)) {
+        step(&mut self.flow);
+        step(&mut self.mode);
+    }
+
+    /// `DEF name( )`: the name is next.
+    fn routine(&mut self, at: &mut Cursor<'t>, typed: bool) {
+        let unknown = || Reference::Unknown("it is not set before".into());
+        self.flow.restart([unknown(), unknown()]);
+        self.mode.restart([Reference::Identity, Reference::Identity]);
+        if typed {
+            at.word();
+        }
+        self.file.steps.push(Step::Begin(name(at).unwrap_or_default()));
+    }
+
     /// `DECL E6POS XP1={…}, XP2`.
     fn declaration(&mut self, at: &mut Cursor<'t>) -> Result<(), ControllerError> {
         let mut kind = String::new();
         while let Some(word) = at.word() {
             kind = word.to_ascii_uppercase();
             if kind == "DEF" || kind == "DEFFCT" {
-                let unknown = || Reference::Unknown("it is not set before".into());
-                self.flow.restart([unknown(), unknown()]);
+                self.routine(at, kind == "DEFFCT");
                 return Ok(());
             }
             if !matches!(kind.as_str(), "DECL" | "GLOBAL" | "CONST") {
@@ -114,6 +163,7 @@ impl<'t> Reader<'t> {
                     return Ok(());
                 }
                 let aggregate = Aggregate::read(at, line)?;
+                self.load(&name, &aggregate, line);
                 if point {
                     self.value(&name, &aggregate, Some(&kind));
                 } else if kind == "FDAT" {
@@ -141,9 +191,12 @@ impl<'t> Reader<'t> {
                     self.flow.set(which, Reference::Unknown(words));
                 }
             }
+            self.odd(at, &name, line);
+            self.file.steps.push(Step::Call(name));
             return Ok(());
         }
         if !at.take(b'=') {
+            self.odd(at, &name, line);
             return Ok(());
         }
         match name.as_str() {
@@ -152,12 +205,7 @@ impl<'t> Reader<'t> {
                 let to = self.reference(at, which)?;
                 self.flow.set(which, to);
             }
-            "$IPO_MODE" => {
-                at.take(b'#');
-                if !at.word().is_some_and(|word| word.eq_ignore_ascii_case("BASE")) {
-                    self.fixed_tool();
-                }
-            }
+            "$IPO_MODE" => self.mode(at),
             "FDAT_ACT" => {
                 if let Some(data) = self::name(at) {
                     self.flow.set(FRAME, Reference::Named(format!("{data}.BASE_NO")));
@@ -166,6 +214,7 @@ impl<'t> Reader<'t> {
             }
             _ if at.take(b'{') => {
                 let aggregate = Aggregate::read(at, line)?;
+                self.load(&name, &aggregate, line);
                 if at.take(b':') {
                     self.file.changed.push((name, line));
                 } else {
@@ -177,10 +226,45 @@ impl<'t> Reader<'t> {
         Ok(())
     }
 
-    fn fixed_tool(&mut self) {
-        for which in [FRAME, TOOL] {
-            let words = "the tool stands still ($IPO_MODE = #TCP), which is not compensated";
-            self.flow.set(which, Reference::Unknown(words.into()));
+    /// `#TCP`, `#BASE`.
+    pub(super) fn mode(&mut self, at: &mut Cursor<'t>) {
+        at.take(b'#');
+        let on_robot = at.word().is_some_and(|word| word.eq_ignore_ascii_case("BASE"));
+        let to = if on_robot { Reference::Identity } else { Reference::Excluded(FIXED_TOOL.into()) };
+        self.mode.set(FRAME, to);
+    }
+
+    /// `LOAD_DATA[1]={M 12.0,…}`.
+    fn load(&mut self, name: &str, aggregate: &Aggregate<'_>, line: usize) {
+        if (bare(name) == "LOAD_DATA" || name == "$LOAD")
+            && aggregate.value("M").is_some_and(|mass| mass > 0.0)
+        {
+            let mass = aggregate.value("M").unwrap_or_default();
+            self.file.loads.push((line, format!("{name} is {mass} kg")));
+        }
+    }
+
+    /// A statement that is no motion: what a motion would have in it.
+    fn odd(&mut self, at: &mut Cursor<'t>, name: &str, line: usize) {
+        let (mut names, mut literal, mut verb) = (Vec::new(), false, false);
+        while let Some(token) = at.next() {
+            match token.kind {
+                Kind::Word => {
+                    let word = at.str_of(token).to_ascii_uppercase();
+                    verb |= MOTIONS.contains(&word.as_str());
+                    names.push(word);
+                }
+                Kind::Sign(b'{') => {
+                    let parts = [at.tokens.get(at.at), at.tokens.get(at.at + 2)];
+                    let mut words =
+                        parts.into_iter().flatten().map(|token| at.str_of(token).to_ascii_uppercase());
+                    literal |= words.any(|word| ["X", "Y", "Z", "A1", "A2"].contains(&word.as_str()));
+                }
+                _ => {}
+            }
+        }
+        if literal || verb || !names.is_empty() {
+            self.file.odd.push((line, name.into(), names, literal || verb));
         }
     }
 
@@ -205,7 +289,11 @@ impl<'t> Reader<'t> {
     }
 
     /// The right side of `$BASE =`.
-    fn reference(&mut self, at: &mut Cursor<'t>, which: usize) -> Result<Reference, ControllerError> {
+    pub(super) fn reference(
+        &mut self,
+        at: &mut Cursor<'t>,
+        which: usize,
+    ) -> Result<Reference, ControllerError> {
         let line = at.peek().map_or(0, |token| token.line);
         let found = if at.take(b'{') {
             let aggregate = Aggregate::read(at, line)?;
@@ -237,7 +325,7 @@ impl<'t> Reader<'t> {
         });
         for (part, list) in [("BASE_NO", "BASE_DATA"), ("TOOL_NO", "TOOL_DATA")] {
             let definition = match aggregate.value(part) {
-                _ if still => Definition::Unusable(format!(
+                _ if still => Definition::Excluded(format!(
                     "the tool stands still (IPO_FRAME #TCP in {name}), which is not compensated"
                 )),
                 Some(number) => Definition::SameAs(format!("{list}[{number:.0}]")),
@@ -256,101 +344,20 @@ impl<'t> Reader<'t> {
             }
             return;
         }
-        let declared = self.file.declared.iter().find(|(declared, _)| declared == list);
-        let frame = kind.or(declared.map(|(_, kind)| kind.as_str())) == Some("FRAME");
+        let declared = || self.file.declared.iter().find(|(declared, _)| declared == list);
+        let kind = kind.map(str::to_owned).or_else(|| declared().map(|(_, kind)| kind.clone()));
+        let frame = kind.as_deref() == Some("FRAME");
         if let Some(pose) = pose(aggregate).filter(|_| frame) {
             self.file.definitions.push((name.into(), Definition::Value(pose)));
         }
-        let typed = kind.is_some() || declared.is_some();
-        if let Some(candidate) = candidate(self.text, name, aggregate, frame, typed) {
+        if let Some(candidate) = candidate(self.text, name, aggregate, frame, kind.is_some()) {
             self.file.candidates.push(candidate);
         }
-    }
-
-    /// `LIN XP1 C_DIS`, `CIRC {…}, {…}`, `SPTP XP1 WITH $TOOL=STOOL2(FP1), $BASE=SBASE(FP1.BASE_NO)`.
-    fn motion(&mut self, at: &mut Cursor<'t>, relative: bool) -> Result<(), ControllerError> {
-        let verb = at.word().unwrap_or("").to_ascii_uppercase();
-        let before = self.flow.clone();
-        let with = at.tokens.iter().position(|token| {
-            token.kind == Kind::Word && self.text[token.range.clone()].eq_ignore_ascii_case(b"WITH")
-        });
-        if let Some(with) = with {
-            self.with(&mut Cursor { at: with + 1, ..at.clone() })?;
-        }
-        let used = self.flow.motion();
-        // Settings behind WITH are of this motion alone.
-        let uses = std::mem::take(&mut self.flow.uses);
-        if with.is_some() {
-            self.flow = before;
-        }
-        self.flow.uses = uses;
-        let places = if verb.contains("CIRC") { 2 } else { 1 };
-        for place in 0..places {
-            if place > 0 && !at.take(b',') {
-                break;
-            }
-            self.destination(at, &verb, relative, used)?;
-        }
-        Ok(())
-    }
-
-    fn destination(
-        &mut self,
-        at: &mut Cursor<'t>,
-        verb: &str,
-        relative: bool,
-        used: usize,
-    ) -> Result<(), ControllerError> {
-        let Some(token) = at.peek() else { return Ok(()) };
-        let (line, start) = (token.line, token.range.start);
-        let mut motion =
-            Motion { line, shown: verb.into(), name: None, computed: relative, used, inline: false };
-        if at.take(b'{') {
-            let aggregate = Aggregate::read(at, line)?;
-            motion.inline = true;
-            if at.peek().is_some_and(|token| token.is(b':')) {
-                motion.computed = true;
-            } else if !relative {
-                let named = format!("{verb} in line {line}");
-                let found = candidate(self.text, &named, &aggregate, false, true);
-                self.file.candidates.extend(found.map(|c| Candidate { inline: Some(used), ..c }));
-            }
-        } else {
-            motion.name = name(at);
-            // `XP1 : F`, `f(XP1)`, `XP1.X`.
-            let more = [b':', b'(', b'.'].iter().any(|&sign| at.peek().is_some_and(|token| token.is(sign)));
-            motion.computed |= more;
-        }
-        while at.peek().is_some_and(|token| !matches!(token.kind, Kind::End | Kind::Sign(b','))) {
-            if at.next().is_some_and(|token| matches!(token.kind, Kind::Sign(b'(' | b'{' | b'['))) {
-                at.skip_closed();
-            }
-        }
-        let end = at.tokens[..at.at.min(at.tokens.len())].last().map_or(start, |token| token.range.end);
-        motion.shown =
-            format!("{verb} {}", String::from_utf8_lossy(&self.text[start..end.max(start)]).trim());
-        self.file.motions.push(motion);
-        Ok(())
-    }
-
-    fn with(&mut self, at: &mut Cursor<'t>) -> Result<(), ControllerError> {
-        while let Some(token) = at.next() {
-            let which = match &self.text[token.range.clone()] {
-                word if word.eq_ignore_ascii_case(b"$BASE") => FRAME,
-                word if word.eq_ignore_ascii_case(b"$TOOL") => TOOL,
-                _ => continue,
-            };
-            if at.take(b'=') {
-                let to = self.reference(at, which)?;
-                self.flow.set(which, to);
-            }
-        }
-        Ok(())
     }
 }
 
 /// A name in capitals, with a literal index; `[*]` for any other.
-fn name(at: &mut Cursor<'_>) -> Option<String> {
+pub(super) fn name(at: &mut Cursor<'_>) -> Option<String> {
     let mut name = at.word()?.to_ascii_uppercase();
     if at.take(b'[') {
         let index = at.number().filter(|_| at.peek().is_some_and(|token| token.is(b']')));

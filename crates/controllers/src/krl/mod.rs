@@ -8,11 +8,13 @@
 //! frame   = ($BASE|$TOOL) "=" (BASE_DATA|TOOL_DATA) "[" n "]" | BAS(#BASE,n) | FDAT_ACT=name | WITH $TOOL=STOOL2(name)
 //! ```
 //!
-//! A FRAME is a point where a motion goes to it. Keywords and names have no case. Everything else is passed over.
+//! A FRAME is a point where a motion goes to it. Keywords and names have no case. A statement that is no motion and has a
+//! point in it (`F(XP1)`, `MOVE {X 1, …}`) is refused; everything else is passed over.
 
 mod aggregate;
 mod candidate;
 mod file;
+mod motion;
 mod points;
 
 use crate::program::{Definition, Definitions};

@@ -1,19 +1,22 @@
 //! The points of the first of some files, with the frames and tools with which all of them use it.
 
 use super::candidate::{Candidate, Literal};
-use super::file::{File, Motion, bare};
+use super::file::{File, Motion, Step, bare};
 use crate::Dialect;
+use crate::event::{Event, Visit};
 use crate::flow::{Active, of_all};
-use crate::program::{Branch, Definitions, Note, Point, Program, Reference, Step, Value};
+use crate::program::{Branch, Definitions, Note, Point, Program, Reference, Value};
+use std::collections::HashMap;
 
 pub(super) fn program(text: &[u8], files: &[File], definitions: Definitions) -> Program {
     let file = &files[0];
-    let moves = |name: &str| moves(files, name);
+    let uses = Uses::of(files);
     let mut points = Vec::new();
     for candidate in &file.candidates {
+        let all = uses.of_point(files, &candidate.name);
         if let Literal::Pose { frame: true, .. } = candidate.kind
             && candidate.inline.is_none()
-            && moves(&candidate.name).is_empty()
+            && all.is_empty()
         {
             continue;
         }
@@ -21,36 +24,98 @@ pub(super) fn program(text: &[u8], files: &[File], definitions: Definitions) -> 
         let active = match candidate.inline {
             Some(used) => file.uses[used].clone(),
             None => {
-                let all = moves(&candidate.name);
                 let direct = all.iter().filter(|(_, motion)| !motion.computed);
                 of_all(direct.map(|(file, motion)| &file.uses[motion.used]), &none)
             }
         };
-        let changed =
-            files.iter().flat_map(|file| &file.changed).find(|(name, _)| means(name, &candidate.name));
-        points.push(point(candidate, active, changed));
+        points.push(point(candidate, active, uses.change(&candidate.name)));
     }
-    let mut order = Vec::new();
+    let places = Places::of(&points);
+    let mut route = Vec::new();
     let mut notes = Vec::new();
     for (place, file) in files.iter().enumerate() {
-        for motion in &file.motions {
-            let at = candidates_of(motion, file, place, &points);
-            if at.is_empty() || motion.computed {
-                order.push(Step::Elsewhere);
-                notes.extend(note(motion, files, place));
-            }
-            if !motion.computed {
-                order.extend(at.into_iter().map(Step::Point));
-            }
+        let mut events = Vec::new();
+        for step in &file.steps {
+            events.push(match step {
+                Step::Begin(name) => Event::Begin(name.clone()),
+                Step::End => Event::End,
+                Step::Call(name) => Event::Call(name.clone()),
+                Step::Motion(number) => {
+                    let motion = &file.motions[*number];
+                    let at = places.of_motion(motion, place);
+                    if let Some(word) = &motion.odd {
+                        let words = format!("`{word}` behind its point is not understood");
+                        notes.push(Note {
+                            file: place,
+                            ..Note::refusing(motion.line, motion.shown.clone(), words)
+                        });
+                    } else if at.is_empty() || motion.computed {
+                        notes.extend(note(motion, files, &uses, place));
+                    }
+                    Visit::event(if motion.computed { Vec::new() } else { at }, motion.linear)
+                }
+            });
         }
+        route.push(events);
+        notes.extend(odd(file, files, place));
     }
-    Program { dialect: Dialect::Krl, text: text.to_vec(), points, definitions, order, notes }
+    for (line, words) in &file.loads {
+        notes.push(Note::load(*line, words.clone()));
+    }
+    Program { dialect: Dialect::Krl, text: text.to_vec(), points, definitions, route, notes }
 }
 
-/// The motions to a name, with their files.
-fn moves<'f>(files: &'f [File], name: &str) -> Vec<(&'f File, &'f Motion)> {
-    let all = files.iter().flat_map(|file| file.motions.iter().map(move |motion| (file, motion)));
-    all.filter(|(_, motion)| motion.name.as_deref().is_some_and(|to| means(to, name))).collect()
+/// Statements that are no motions and have a point in them.
+fn odd(file: &File, files: &[File], place: usize) -> Vec<Note> {
+    let point = |name: &String| {
+        let declared = files.iter().flat_map(|file| &file.declared);
+        declared.into_iter().any(|(other, kind)| other == name && kind != "FRAME")
+    };
+    let mut notes = Vec::new();
+    for (line, name, names, motion) in &file.odd {
+        let words = match names.iter().find(|name| point(name)) {
+            Some(point) => format!("{point} is given to a statement that is not understood: whether the robot moves there is not known"),
+            None if *motion => "a statement with a position that is not understood: whether the robot moves there is not known".into(),
+            None => continue,
+        };
+        notes.push(Note { file: place, ..Note::refusing(*line, name.clone(), words) });
+    }
+    notes
+}
+
+/// Motions and changes by the names that they have.
+struct Uses {
+    /// File and motion.
+    motions: HashMap<String, Vec<(usize, usize)>>,
+    changed: HashMap<String, Vec<(String, usize)>>,
+}
+
+impl Uses {
+    fn of(files: &[File]) -> Uses {
+        let mut uses = Uses { motions: HashMap::new(), changed: HashMap::new() };
+        for (f, file) in files.iter().enumerate() {
+            for (k, motion) in file.motions.iter().enumerate() {
+                if let Some(name) = &motion.name {
+                    uses.motions.entry(bare(name).into()).or_default().push((f, k));
+                }
+            }
+            for (name, line) in &file.changed {
+                uses.changed.entry(bare(name).into()).or_default().push((name.clone(), *line));
+            }
+        }
+        uses
+    }
+
+    /// The motions to a name, with their files.
+    fn of_point<'f>(&self, files: &'f [File], name: &str) -> Vec<(&'f File, &'f Motion)> {
+        let all = self.motions.get(bare(name)).into_iter().flatten();
+        let all = all.map(|&(f, k)| (&files[f], &files[f].motions[k]));
+        all.filter(|(_, motion)| motion.name.as_deref().is_some_and(|to| means(to, name))).collect()
+    }
+
+    fn change(&self, name: &str) -> Option<&(String, usize)> {
+        self.changed.get(bare(name))?.iter().find(|(other, _)| means(other, name))
+    }
 }
 
 /// Whether a reference to `to` may be to `name`.
@@ -58,23 +123,37 @@ fn means(to: &str, name: &str) -> bool {
     to == name || (bare(to) == bare(name) && (to.contains("[*]") || name.contains("[*]")))
 }
 
-/// The points to which a motion goes.
-fn candidates_of(motion: &Motion, file: &File, place: usize, points: &[Point]) -> Vec<usize> {
-    let of = |keep: &dyn Fn(&Point) -> bool| {
-        points.iter().enumerate().filter(|(_, point)| keep(point)).map(|(k, _)| k).collect()
-    };
-    match &motion.name {
-        Some(name) => of(&|point| means(name, &point.name)),
-        None if place == 0 && motion.inline && !motion.computed => {
-            let lines: Vec<usize> = file
-                .candidates
-                .iter()
-                .filter(|c| c.inline == Some(motion.used) && c.line == motion.line)
-                .map(|c| c.line)
-                .collect();
-            of(&|point| point.name.contains(" in line ") && lines.contains(&point.line))
+/// Points by their names, and by the lines of those in motions.
+struct Places {
+    named: HashMap<String, Vec<(String, usize)>>,
+    lines: HashMap<usize, Vec<usize>>,
+}
+
+impl Places {
+    fn of(points: &[Point]) -> Places {
+        let mut places = Places { named: HashMap::new(), lines: HashMap::new() };
+        for (k, point) in points.iter().enumerate() {
+            if point.name.contains(" in line ") {
+                places.lines.entry(point.line).or_default().push(k);
+            } else {
+                places.named.entry(bare(&point.name).into()).or_default().push((point.name.clone(), k));
+            }
         }
-        None => Vec::new(),
+        places
+    }
+
+    /// The points to which a motion goes.
+    fn of_motion(&self, motion: &Motion, place: usize) -> Vec<usize> {
+        match &motion.name {
+            Some(name) => {
+                let all = self.named.get(bare(name)).into_iter().flatten();
+                all.filter(|(other, _)| means(name, other)).map(|(_, k)| *k).collect()
+            }
+            None if place == 0 && motion.inline && !motion.computed => {
+                self.lines.get(&motion.line).cloned().unwrap_or_default()
+            }
+            None => Vec::new(),
+        }
     }
 }
 
@@ -134,7 +213,7 @@ fn point(candidate: &Candidate, active: Active, changed: Option<&(String, usize)
 }
 
 /// What there is to say of a motion that goes to no literal of the first file.
-fn note(motion: &Motion, files: &[File], place: usize) -> Option<Note> {
+fn note(motion: &Motion, files: &[File], uses: &Uses, place: usize) -> Option<Note> {
     let name = motion.name.as_deref().unwrap_or("");
     let refusing = |words: &str| {
         Some(Note { file: place, ..Note::refusing(motion.line, motion.shown.clone(), words.into()) })
@@ -145,14 +224,17 @@ fn note(motion: &Motion, files: &[File], place: usize) -> Option<Note> {
         );
     }
     if name.starts_with('$') {
-        return None;
+        // Where the robot is or was; other positions of the controller stay as they are.
+        let here =
+            ["_ACT", "_ACT_MES", "_RET", "_INT", "_FOR", "_BACK"].iter().any(|end| name.ends_with(end));
+        let note = || Note::missing(motion.line, motion.shown.clone(), name.into());
+        return (!here && place == 0).then(note);
     }
     let elsewhere = files.iter().skip(1).any(|file| file.candidates.iter().any(|c| means(name, &c.name)));
     if elsewhere || place > 0 {
         return None;
     }
-    if let Some((_, line)) = files.iter().flat_map(|file| &file.changed).find(|(other, _)| means(other, name))
-    {
+    if let Some((_, line)) = uses.change(name) {
         return refusing(&format!("its value is computed in line {line}, maybe from a compensated point"));
     }
     Some(Note::missing(motion.line, motion.shown.clone(), name.into()))

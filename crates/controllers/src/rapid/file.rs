@@ -1,5 +1,6 @@
 //! What one module says.
 
+use super::instructions::{KEYWORDS, signature};
 use super::node::Node;
 use crate::program::{Definition, Reference};
 use crate::tokens::{Cursor, Kind, Lexis, Token, tokens};
@@ -19,29 +20,64 @@ pub(super) struct Candidate {
     pub(super) inline: Option<usize>,
 }
 
+/// Where a motion goes.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Destination {
+    Name(String),
+    /// A literal, by its place among the candidates.
+    Inline(usize),
+    Computed,
+}
+
 /// An instruction that moves.
 #[derive(Debug, Clone)]
 pub(super) struct Motion {
     pub(super) line: usize,
     pub(super) shown: String,
-    /// Names of its destinations.
-    pub(super) names: Vec<String>,
-    /// Whether a destination is computed.
-    pub(super) computed: bool,
+    pub(super) destinations: Vec<Destination>,
     pub(super) tool: Reference,
     pub(super) frame: Reference,
+    pub(super) linear: bool,
+    /// Why it is not understood.
+    pub(super) odd: Option<String>,
+}
+
+/// What happens, in the order of the text.
+#[derive(Debug, Clone)]
+pub(super) enum Step {
+    Motion(usize),
+    Begin(String),
+    End,
+    Call(String),
+    Control { linear: bool, followed: bool },
+}
+
+/// An instruction that is no motion, with what a motion would have in it.
+#[derive(Debug, Clone)]
+pub(super) struct Odd {
+    pub(super) line: usize,
+    pub(super) shown: String,
+    pub(super) names: Vec<String>,
+    /// Whether a literal point is in it.
+    pub(super) literal: bool,
 }
 
 #[derive(Debug, Clone, Default)]
 pub(super) struct File {
     pub(super) candidates: Vec<Candidate>,
     pub(super) motions: Vec<Motion>,
+    pub(super) steps: Vec<Step>,
+    pub(super) odd: Vec<Odd>,
     pub(super) definitions: Vec<(String, Definition)>,
     /// Names of points with their types.
     pub(super) declared: Vec<(String, bool)>,
     pub(super) changed: Vec<(String, usize)>,
+    /// Names of points to which external axes alone go.
+    pub(super) external: Vec<String>,
     /// Line and name of an instruction that displaces the program.
     pub(super) displaced: Option<(usize, String)>,
+    /// Loads that are stated: line and words.
+    pub(super) loads: Vec<(usize, String)>,
 }
 
 impl File {
@@ -55,17 +91,34 @@ impl File {
                 continue;
             }
             let before = at.at.checked_sub(2).and_then(|k| all.get(k));
-            match at.str_of(token).to_ascii_uppercase().as_str() {
+            let word = at.str_of(token).to_ascii_uppercase();
+            match word.as_str() {
                 "CONST" | "PERS" | "VAR" => file.declaration(&mut at)?,
-                word if moves(word) && !joined(before) && begins(&at) => file.motion(&mut at, token)?,
-                word if ["PDISPSET", "PDISPON", "EOFFSSET", "EOFFSON"].contains(&word) => {
+                _ if joined(before) => {}
+                "PROC" | "TRAP" | "FUNC" => {
+                    if word == "FUNC" {
+                        at.word();
+                    }
+                    file.steps.push(Step::Begin(at.word().unwrap_or("").to_ascii_uppercase()));
+                }
+                "ENDPROC" | "ENDTRAP" | "ENDFUNC" => file.steps.push(Step::End),
+                "CONFL" | "CONFJ" if at.take(b'\\') => {
+                    let followed = !at.word().is_some_and(|word| word.eq_ignore_ascii_case("Off"));
+                    file.steps.push(Step::Control { linear: word == "CONFL", followed });
+                }
+                word if KEYWORDS.contains(&word) => {}
+                "PDISPSET" | "PDISPON" | "EOFFSSET" | "EOFFSON" => {
                     file.displaced.get_or_insert((token.line, at.str_of(token).into()));
                 }
-                _ if !joined(before) => {
-                    at.at -= 1;
-                    file.assignment(&mut at)?;
-                }
-                _ => {}
+                word => match signature(word) {
+                    Some(signature) if begins(&at) => file.motion(&mut at, token, &signature)?,
+                    _ => {
+                        at.at -= 1;
+                        if !file.assignment(&mut at)? {
+                            file.instruction(&mut at, token);
+                        }
+                    }
+                },
             }
         }
         Ok(file)
@@ -81,7 +134,7 @@ impl File {
         let joints = kind == "JOINTTARGET";
         if point {
             self.declared.push((name.clone(), joints));
-        } else if !matches!(kind.as_str(), "WOBJDATA" | "TOOLDATA") {
+        } else if !matches!(kind.as_str(), "WOBJDATA" | "TOOLDATA" | "LOADDATA") {
             return Ok(());
         }
         let mut lists = 0;
@@ -102,10 +155,23 @@ impl File {
         let node = Node::list(at)?;
         match kind.as_str() {
             "WOBJDATA" => self.definitions.push((name, work_object(&node))),
-            "TOOLDATA" => self.definitions.push((name, tool(&node))),
+            "TOOLDATA" => {
+                self.load(&kind, &name, node.items().get(2), line);
+                self.definitions.push((name, tool(&node)));
+            }
+            "LOADDATA" => self.load(&kind, &name, Some(&node), line),
             _ => self.listed(name, node, joints, lists, line),
         }
         Ok(())
+    }
+
+    /// The mass of loaddata.
+    fn load(&mut self, kind: &str, name: &str, load: Option<&Node>, line: usize) {
+        if let Some(Node::Number(mass, _)) = load.and_then(|load| load.items().first())
+            && !["TOOL0", "LOAD0"].contains(&name)
+        {
+            self.loads.push((line, format!("{} {name} has {mass} kg", kind.to_ascii_lowercase())));
+        }
     }
 
     fn listed(&mut self, name: String, node: Node, joints: bool, lists: usize, line: usize) {
@@ -123,11 +189,11 @@ impl File {
         }
     }
 
-    /// `p10 := […];`, `p10.trans.x := …`; the name is next.
-    fn assignment(&mut self, at: &mut Cursor<'_>) -> Result<(), ControllerError> {
+    /// `p10 := […];`, `p10.trans.x := …`; the name is next. Whether it was one; if not, behind the name.
+    fn assignment(&mut self, at: &mut Cursor<'_>) -> Result<bool, ControllerError> {
         let line = at.peek().map_or(0, |token| token.line);
         let from = at.at + 1;
-        let Some(name) = indexed(at) else { return Ok(()) };
+        let Some(name) = indexed(at) else { return Ok(false) };
         let mut part = false;
         while at.take(b'.') {
             part = true;
@@ -135,11 +201,11 @@ impl File {
         }
         if !(at.take(b':') && at.take(b'=')) {
             at.at = from;
-            return Ok(());
+            return Ok(false);
         }
         if part || !at.take(b'[') {
             self.changed.push((name, line));
-            return Ok(());
+            return Ok(true);
         }
         let node = Node::list(at)?;
         let ends = at.peek().is_none_or(|token| token.is(b';'));
@@ -149,110 +215,42 @@ impl File {
             }
             _ => self.changed.push((name, line)),
         }
-        Ok(())
+        Ok(true)
     }
 
-    /// Behind the instruction's name.
-    fn motion(&mut self, at: &mut Cursor<'_>, verb: &Token) -> Result<(), ControllerError> {
-        let word = at.str_of(verb).to_owned();
-        let number = self.motions.len();
-        let mut motion = Motion {
-            line: verb.line,
-            shown: word.clone(),
-            names: Vec::new(),
-            computed: false,
-            tool: Reference::Unknown(format!("{word} in line {} names none", verb.line)),
-            frame: Reference::Identity,
-        };
-        let begin = verb.range.start;
-        let joints_only = word.to_ascii_uppercase().starts_with("MOVEABSJ");
-        let mut place = 0;
-        while at.peek().is_some_and(|token| !token.is(b';')) {
-            let last = self.argument(at, &mut motion, number, place, joints_only)?;
-            if let Some(tool) = last {
-                motion.tool = tool;
-            }
-            place += 1;
-            if !at.take(b',') {
+    /// An instruction that is no motion, behind its name.
+    fn instruction(&mut self, at: &mut Cursor<'_>, verb: &Token) {
+        self.steps.push(Step::Call(at.str_of(verb).to_ascii_uppercase()));
+        if at.peek_word().is_some_and(|word| KEYWORDS.contains(&&*word.to_ascii_uppercase())) || !begins(at) {
+            return;
+        }
+        let mut odd =
+            Odd { line: verb.line, shown: at.str_of(verb).into(), names: Vec::new(), literal: false };
+        while let Some(token) = at.peek().filter(|token| !token.is(b';')) {
+            let word = at.peek_word().map(str::to_ascii_uppercase);
+            if word.as_ref().is_some_and(|word| KEYWORDS.contains(&word.as_str())) {
                 break;
             }
-        }
-        let end = at.peek().map_or(at.text.len(), |token| token.range.start);
-        let shown = String::from_utf8_lossy(&at.text[begin..end.max(begin)]).into_owned();
-        motion.shown = shown.split_whitespace().collect::<Vec<_>>().join(" ").chars().take(60).collect();
-        self.motions.push(motion);
-        Ok(())
-    }
-
-    /// One argument; what it is as a tool.
-    fn argument(
-        &mut self,
-        at: &mut Cursor<'_>,
-        motion: &mut Motion,
-        number: usize,
-        place: usize,
-        joints_only: bool,
-    ) -> Result<Option<Reference>, ControllerError> {
-        let mut seen = None;
-        let line = at.peek().map_or(0, |token| token.line);
-        if at.take(b'[') {
-            let node = Node::list(at)?;
-            if let Some(joints) = shape(&node) {
-                let name = format!("{} in line {}", motion.shown, motion.line);
-                self.candidates.push(Candidate { name, line, node, joints, inline: Some(number) });
-            } else {
-                seen = Some(match tool(&node) {
-                    Definition::Value(pose) => Reference::Value(pose),
-                    _ => Reference::Unknown("its value is computed".into()),
-                });
-            }
-        } else if at.peek_word().is_some() {
-            let name = indexed(at).unwrap_or_default();
-            let call = at.peek().is_some_and(|token| token.is(b'(') || token.is(b'.'));
-            let point = place == 0 || self.declared.iter().any(|(declared, _)| *declared == bare(&name));
-            if call && (place < 2 || point) {
-                motion.computed |= place == 0 || ["OFFS", "RELTOOL"].contains(&name.as_str());
-            } else if point || (place == 1 && motion.shown.to_ascii_uppercase().ends_with('C')) {
-                motion.names.push(name.clone());
-            }
-            seen = Some(match (name.as_str(), call) {
-                (_, true) => Reference::Unknown("it is computed".into()),
-                ("TOOL0", _) => Reference::Identity,
-                _ => Reference::Named(name),
-            });
-        }
-        let mut depth = 0;
-        while let Some(token) = at.peek() {
-            match token.kind {
-                Kind::Sign(b'(' | b'[' | b'{') => depth += 1,
-                Kind::Sign(b')' | b']' | b'}') => depth -= 1,
-                Kind::Sign(b',') if depth == 0 => break,
-                Kind::Sign(b';') => break,
-                Kind::Sign(b'\\') if depth == 0 => {
-                    at.at += 1;
-                    if at.peek_word().is_some_and(|word| word.eq_ignore_ascii_case("WObj")) && !joints_only {
-                        at.at += 1;
-                        at.take(b':');
-                        at.take(b'=');
-                        motion.frame = match indexed(at).as_deref() {
-                            Some("WOBJ0") => Reference::Identity,
-                            Some(name) => Reference::Named(name.into()),
-                            None => Reference::Unknown("its value is computed".into()),
-                        };
-                    }
-                    continue;
-                }
-                _ => {}
-            }
             at.at += 1;
+            if let Some(word) = word {
+                at.at -= 1;
+                let name = indexed(at).unwrap_or(word);
+                // A component is read of a point.
+                if !at.peek().is_some_and(|token| token.is(b'.')) {
+                    odd.names.push(name);
+                }
+            } else if token.is(b'[') {
+                let mut ahead = at.clone();
+                if let Ok(node) = Node::list(&mut ahead) {
+                    odd.literal |= shape(&node).is_some();
+                    at.at = ahead.at;
+                }
+            }
         }
-        Ok(seen)
+        if odd.literal || !odd.names.is_empty() {
+            self.odd.push(odd);
+        }
     }
-}
-
-/// Instructions with destinations.
-fn moves(word: &str) -> bool {
-    ["MOVE", "TRIGGJ", "TRIGGL", "TRIGGC", "TRIGGABSJ", "SEARCH"].iter().any(|start| word.starts_with(start))
 }
 
 /// Whether a word is joined to something in front of it: an option, a component, a declared name's type.
@@ -268,7 +266,7 @@ fn begins(at: &Cursor<'_>) -> bool {
 }
 
 /// A name in capitals with its index: `P{3}`, `P{*}`.
-fn indexed(at: &mut Cursor<'_>) -> Option<String> {
+pub(super) fn indexed(at: &mut Cursor<'_>) -> Option<String> {
     let mut name = at.word()?.to_ascii_uppercase();
     if at.take(b'{') {
         let index = at.number().filter(|_| at.peek().is_some_and(|token| token.is(b'}')));
@@ -284,7 +282,7 @@ pub(super) fn bare(name: &str) -> &str {
 }
 
 /// Whether a value is a jointtarget (true) or a robtarget (false); none: neither.
-fn shape(node: &Node) -> Option<bool> {
+pub(super) fn shape(node: &Node) -> Option<bool> {
     let lengths: Vec<usize> = node.items().iter().map(|item| item.items().len()).collect();
     match lengths[..] {
         [3, 4, 4, 6] => Some(false),
@@ -305,7 +303,9 @@ fn work_object(node: &Node) -> Definition {
     let computed = || Definition::Unusable("its value is not made of numbers".into());
     let [held, fixed, _, user, object] = node.items() else { return computed() };
     if !held.is_word("FALSE") {
-        return Definition::Unusable("the robot holds the work object, which is not compensated".into());
+        return Definition::Excluded(
+            "the robot holds the work object (robhold is TRUE), which is not compensated".into(),
+        );
     }
     if !fixed.is_word("TRUE") {
         return Definition::Unusable("its user frame moves with another unit (ufprog is FALSE)".into());
@@ -316,12 +316,12 @@ fn work_object(node: &Node) -> Definition {
     }
 }
 
-fn tool(node: &Node) -> Definition {
+pub(super) fn tool(node: &Node) -> Definition {
     let [held, frame, _] = node.items() else {
         return Definition::Unusable("its value is not made of numbers".into());
     };
     if !held.is_word("TRUE") {
-        return Definition::Unusable(
+        return Definition::Excluded(
             "the tool stands still (robhold is FALSE), which is not compensated".into(),
         );
     }

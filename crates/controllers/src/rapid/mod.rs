@@ -3,15 +3,17 @@
 //! ```text
 //! point      = (CONST|PERS|VAR) (robtarget|jointtarget) name [ "{" n "}" ] ":=" value ";"
 //!            | name ":=" value ";"
-//!            | (Move…|Trigg…|Search…) … value …, tool [ "\" WObj ":=" wobj ] ";"          motion
+//!            | motion … value …, tool [ "\" WObj ":=" wobj ] ";"                  see `instructions`
 //! robtarget   = "[" [x,y,z] "," [q1,q2,q3,q4] "," [cf1,cf4,cf6,cfx] "," [six external axes] "]"
 //! jointtarget = "[" [six joints] "," [six external axes] "]"
 //! frame      = wobjdata, tooldata: their values in the files given; wobj0 and tool0 are base and flange
 //! ```
 //!
-//! Statements may span lines, with comments in between. Names have no case.
+//! An instruction that is not known and has a point in it is refused. Statements may span lines, with comments in between. Names have no case.
 
 mod file;
+mod instructions;
+mod motion;
 mod node;
 mod points;
 

@@ -1,86 +1,209 @@
 //! The points of the first of some modules, with the frames and tools with which all of them use it.
 
-use super::file::{Candidate, File, Motion, bare};
+use super::file::{Candidate, Destination, File, Motion, Step, bare};
 use super::node::Node;
 use crate::Dialect;
+use crate::event::{Event, Visit};
 use crate::flow::{Active, of_all};
 use crate::number::{Form, Slot};
-use crate::program::{Branch, Definitions, Note, Point, Program, Reference, Step, Value};
+use crate::program::{Branch, Definitions, Note, Point, Program, Reference, Value};
+use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 
 /// From here on RAPID takes an external axis for absent (9E9).
 const ABSENT: f64 = 8.9e9;
 
 pub(super) fn program(text: &[u8], files: &[File], definitions: Definitions) -> Program {
-    let file = &files[0];
+    let names = Names::of(files);
     let unused = || Reference::Unknown("no motion in the files given goes to it".into());
+    let displaced = files.iter().find_map(|file| file.displaced.clone());
     let mut points = Vec::new();
-    for candidate in &file.candidates {
+    // The point of each candidate.
+    let mut places: Vec<Option<usize>> = Vec::new();
+    for candidate in &files[0].candidates {
         let of = |motion: &Motion| [motion.frame.clone(), motion.tool.clone()];
         let uses: Vec<Active> = match candidate.inline {
-            Some(number) => file.motions.get(number).map(of).into_iter().collect(),
-            None => files
-                .iter()
-                .flat_map(|file| &file.motions)
-                .filter(|motion| motion.names.iter().any(|name| means(name, &candidate.name)))
-                .map(of)
-                .collect(),
+            Some(number) => files[0].motions.get(number).map(of).into_iter().collect(),
+            None => names.motions_to(files, &candidate.name).map(of).collect(),
         };
+        let external = candidate.inline.is_none() && names.external.contains(bare(&candidate.name));
+        if external && uses.is_empty() {
+            places.push(None);
+            continue;
+        }
         let mut active = of_all(uses.iter(), &[unused(), unused()]);
-        if let Some((line, word)) = files.iter().find_map(|file| file.displaced.clone()) {
+        if let Some((line, word)) = &displaced {
             active[0] = Reference::Unknown(format!("{word} in line {line} displaces the program"));
         }
-        let changed =
-            files.iter().flat_map(|file| &file.changed).find(|(name, _)| means(name, &candidate.name));
-        points.push(point(text, candidate, active, changed));
+        let mut point = point(text, candidate, active, names.change(&candidate.name));
+        if external {
+            let words = "a motion of external axes alone uses it as well";
+            point.fixed.get_or_insert_with(|| words.into());
+        }
+        places.push(Some(points.len()));
+        points.push(point);
     }
-    let mut order = Vec::new();
+    let mut route = Vec::new();
     let mut notes = Vec::new();
     for (place, file) in files.iter().enumerate() {
-        for (number, motion) in file.motions.iter().enumerate() {
-            let mut found = false;
-            for (k, candidate) in files[0].candidates.iter().enumerate() {
-                let here = match candidate.inline {
-                    Some(inline) => place == 0 && inline == number,
-                    None => motion.names.iter().any(|name| means(name, &candidate.name)),
-                };
-                if here {
-                    found = true;
-                    order.push(Step::Point(k));
+        let mut events = Vec::new();
+        for step in &file.steps {
+            match step {
+                Step::Begin(name) => events.push(Event::Begin(name.clone())),
+                Step::End => events.push(Event::End),
+                Step::Call(name) => events.push(Event::Call(name.clone())),
+                Step::Control { linear, followed } => {
+                    events.push(Event::Control { linear: *linear, followed: *followed });
+                }
+                Step::Motion(number) => {
+                    let motion = &file.motions[*number];
+                    let refusing = |words: &str| {
+                        let note = Note::refusing(motion.line, motion.shown.clone(), words.into());
+                        Note { file: place, ..note }
+                    };
+                    notes.extend(motion.odd.as_deref().map(refusing));
+                    for destination in &motion.destinations {
+                        let at: Vec<usize> = match destination {
+                            Destination::Inline(candidate) if place == 0 => {
+                                places.get(*candidate).copied().flatten().into_iter().collect()
+                            }
+                            Destination::Name(name) => {
+                                names.candidates(files, name).filter_map(|k| places[k]).collect()
+                            }
+                            _ => Vec::new(),
+                        };
+                        if at.is_empty() {
+                            notes.extend(note(motion, destination, files, &names, place));
+                        }
+                        events.push(Visit::event(at, motion.linear));
+                    }
                 }
             }
-            if motion.computed || !found {
-                order.push(Step::Elsewhere);
-                notes.extend(note(motion, files, place, found));
-            }
         }
+        route.push(events);
+        notes.extend(odd(file, &names, place));
     }
-    Program { dialect: Dialect::Rapid, text: text.to_vec(), points, definitions, order, notes }
+    notes.extend(files[0].loads.iter().map(|(line, words)| Note::load(*line, words.clone())));
+    Program { dialect: Dialect::Rapid, text: text.to_vec(), points, definitions, route, notes }
 }
 
 fn means(to: &str, name: &str) -> bool {
     to == name || (bare(to) == bare(name) && (to.contains('*') || name.contains('*')))
 }
 
-fn note(motion: &Motion, files: &[File], place: usize, found: bool) -> Option<Note> {
+/// What there is under a name.
+struct Names<'f> {
+    /// File and motion.
+    motions: HashMap<&'f str, Vec<(usize, usize)>>,
+    changed: HashMap<&'f str, Vec<&'f (String, usize)>>,
+    /// Of the first file.
+    candidates: HashMap<&'f str, Vec<usize>>,
+    /// With a value in another file.
+    elsewhere: HashSet<&'f str>,
+    declared: HashSet<&'f str>,
+    external: HashSet<&'f str>,
+}
+
+impl<'f> Names<'f> {
+    fn of(files: &'f [File]) -> Self {
+        let mut names = Names {
+            motions: HashMap::new(),
+            changed: HashMap::new(),
+            candidates: HashMap::new(),
+            elsewhere: HashSet::new(),
+            declared: HashSet::new(),
+            external: HashSet::new(),
+        };
+        for (f, file) in files.iter().enumerate() {
+            for (k, motion) in file.motions.iter().enumerate() {
+                for destination in &motion.destinations {
+                    if let Destination::Name(name) = destination {
+                        names.motions.entry(bare(name)).or_default().push((f, k));
+                    }
+                }
+            }
+            for change in &file.changed {
+                names.changed.entry(bare(&change.0)).or_default().push(change);
+            }
+            for (k, candidate) in file.candidates.iter().enumerate().filter(|(_, c)| c.inline.is_none()) {
+                if f == 0 {
+                    names.candidates.entry(bare(&candidate.name)).or_default().push(k);
+                } else {
+                    names.elsewhere.insert(bare(&candidate.name));
+                }
+            }
+            names.declared.extend(file.declared.iter().map(|(name, _)| name.as_str()));
+            names.external.extend(file.external.iter().map(|name| bare(name)));
+        }
+        names
+    }
+
+    fn motions_to<'a>(&'a self, files: &'a [File], name: &'a str) -> impl Iterator<Item = &'a Motion> {
+        let all = self.motions.get(bare(name)).into_iter().flatten().map(|&(f, k)| &files[f].motions[k]);
+        all.filter(move |motion| {
+            let to =
+                |destination: &Destination| matches!(destination, Destination::Name(to) if means(to, name));
+            motion.destinations.iter().any(to)
+        })
+    }
+
+    fn candidates<'a>(&'a self, files: &'a [File], name: &'a str) -> impl Iterator<Item = usize> + 'a {
+        let all = self.candidates.get(bare(name)).into_iter().flatten().copied();
+        all.filter(move |&k| means(name, &files[0].candidates[k].name))
+    }
+
+    fn change(&self, name: &str) -> Option<&'f (String, usize)> {
+        self.changed.get(bare(name))?.iter().copied().find(|(other, _)| means(other, name))
+    }
+}
+
+/// Instructions that are no motions and have a point in them.
+fn odd(file: &File, names: &Names<'_>, place: usize) -> Vec<Note> {
+    let mut notes = Vec::new();
+    for odd in &file.odd {
+        let words = match odd.names.iter().find(|name| names.declared.contains(bare(name))) {
+            Some(point) => format!(
+                "{point} is given to an instruction that is not known: whether the robot moves there is not known"
+            ),
+            None if odd.literal => {
+                "an instruction with a position that is not known: whether the robot moves there is not known"
+                    .into()
+            }
+            None => continue,
+        };
+        notes.push(Note { file: place, ..Note::refusing(odd.line, odd.shown.clone(), words) });
+    }
+    notes
+}
+
+fn note(
+    motion: &Motion,
+    destination: &Destination,
+    files: &[File],
+    names: &Names<'_>,
+    place: usize,
+) -> Option<Note> {
     let refusing = |words: &str| {
         Some(Note { file: place, ..Note::refusing(motion.line, motion.shown.clone(), words.into()) })
     };
-    if motion.computed {
-        return refusing(
-            "the position is computed while the program runs: from a compensated point it comes out displaced",
-        );
-    }
-    let name = motion.names.first()?;
-    let known = |name: &str| files.iter().skip(1).any(|f| f.candidates.iter().any(|c| means(name, &c.name)));
-    if found || place > 0 || known(name) {
+    let name = match destination {
+        Destination::Inline(_) => return None,
+        Destination::Computed => {
+            return refusing(
+                "the position is computed while the program runs: from a compensated point it comes out displaced",
+            );
+        }
+        Destination::Name(name) => name,
+    };
+    if place > 0 || names.elsewhere.contains(bare(name)) || files.is_empty() {
         return None;
     }
-    if let Some((_, line)) = files.iter().flat_map(|file| &file.changed).find(|(other, _)| means(other, name))
-    {
-        return refusing(&format!("its value is computed in line {line}, maybe from a compensated point"));
+    match names.change(name) {
+        Some((_, line)) => {
+            refusing(&format!("its value is computed in line {line}, maybe from a compensated point"))
+        }
+        None => Some(Note::missing(motion.line, motion.shown.clone(), name.clone())),
     }
-    Some(Note::missing(motion.line, motion.shown.clone(), name.clone()))
 }
 
 fn point(text: &[u8], candidate: &Candidate, active: Active, changed: Option<&(String, usize)>) -> Point {
@@ -138,7 +261,7 @@ fn point(text: &[u8], candidate: &Candidate, active: Active, changed: Option<&(S
     point
 }
 
-/// External axes that are there and not at zero.
+/// External axes that are there.
 fn external(axes: &Node) -> Vec<(String, f64)> {
     let letter = |k: usize| format!("eax_{}", char::from(b'a' + k as u8));
     let value = |node: &Node| match node {
@@ -150,6 +273,6 @@ fn external(axes: &Node) -> Vec<(String, f64)> {
         .take(6)
         .enumerate()
         .map(|(k, node)| (letter(k), value(node)))
-        .filter(|(_, value)| !(*value == 0.0 || *value > ABSENT))
+        .filter(|(_, value)| value.is_nan() || *value <= ABSENT)
         .collect()
 }

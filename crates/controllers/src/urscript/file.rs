@@ -2,12 +2,36 @@
 
 use super::expression::{Expression, arguments, unnamed};
 use crate::ControllerError;
-use crate::flow::{Active, FRAME, Flow, TOOL};
+use crate::flow::{Active, FRAME, Flow, Outer, TOOL};
 use crate::program::Reference;
 use crate::tokens::{Cursor, Kind, Lexis, Token, tokens};
 
 const LEXIS: Lexis = Lexis { comment: b'#', quotes: b"\"'", header: None, escapes: true };
-const MOTIONS: [&str; 6] = ["movej", "movel", "movep", "movec", "servoj", "servoc"];
+const MOTIONS: [&str; 7] = ["movej", "movel", "movep", "movec", "servoj", "servoc", "servol"];
+/// Motions without a destination.
+const AWAY: [&str; 5] = ["speedj", "speedl", "speed_until", "stopj", "stopl"];
+/// Beginnings of functions with poses or joints to which nothing moves.
+const HARMLESS: [&str; 17] = [
+    "textmsg",
+    "popup",
+    "varmsg",
+    "set_",
+    "get_",
+    "is_",
+    "pose_",
+    "point_",
+    "interpolate_",
+    "force_mode",
+    "freedrive",
+    "rtde_",
+    "write_",
+    "modbus_",
+    "norm",
+    "str_",
+    "to_str",
+];
+/// Beginnings of functions behind which motions are displaced.
+const DISPLACING: [&str; 2] = ["track_conveyor", "path_offset_set"];
 
 /// A destination of a motion.
 #[derive(Debug, Clone)]
@@ -16,11 +40,33 @@ pub(super) struct Motion {
     pub(super) verb: String,
     pub(super) target: Expression,
     pub(super) used: usize,
+    /// Along a line or an arc.
+    pub(super) linear: bool,
 }
 
+/// What happens, in the order of the text.
 #[derive(Debug, Clone)]
+pub(super) enum Step {
+    Motion(usize),
+    Begin(String),
+    End,
+    Call(String),
+    /// The robot moves without a destination.
+    Away {
+        linear: bool,
+    },
+}
+
+#[derive(Debug, Clone, Default)]
 pub(super) struct File {
     pub(super) motions: Vec<Motion>,
+    pub(super) steps: Vec<Step>,
+    /// Line, name and arguments of calls of functions that are not known.
+    pub(super) odd: Vec<(usize, String, Vec<Expression>)>,
+    /// Line, name and reason of statements that are refused.
+    pub(super) refused: Vec<(usize, String, &'static str)>,
+    /// Loads that are stated: line and words.
+    pub(super) loads: Vec<(usize, String)>,
     pub(super) uses: Vec<Active>,
     /// Name, value, line.
     pub(super) assigned: Vec<(String, Expression, usize)>,
@@ -33,16 +79,48 @@ impl File {
         let all = tokens(text, LEXIS)?;
         let statements = statements(&all);
         let setters = setters(text, &statements);
-        let file = File { motions: Vec::new(), uses: Vec::new(), assigned: Vec::new(), changed: Vec::new() };
         let mut flow = Flow::new("set_tcp is not called before");
         flow.set(FRAME, Reference::Identity);
-        let mut reader = Reader { text, file, flow, depth: 0, setters };
+        let tool = only_tool(text, &statements);
+        let mut reader = Reader { text, file: File::default(), flow, open: Vec::new(), setters, tool };
         for statement in &statements {
             reader.statement(statement);
         }
         reader.file.uses = reader.flow.uses;
         Ok(reader.file)
     }
+}
+
+/// The tool of all calls of set_tcp, where it is one.
+fn only_tool(text: &[u8], statements: &[Vec<Token>]) -> Option<Reference> {
+    let mut only: Option<Reference> = None;
+    for statement in statements {
+        if Cursor::new(text, statement).word() == Some("set_tcp") {
+            let tool = called(text, statement).first().map(|part| tool(text, part))?;
+            if matches!(tool, Reference::Unknown(_)) || only.as_ref().is_some_and(|only| *only != tool) {
+                return None;
+            }
+            only = Some(tool);
+        }
+    }
+    only
+}
+
+/// The arguments of a call that is a statement.
+fn called<'t>(text: &[u8], tokens: &'t [Token]) -> Vec<&'t [Token]> {
+    let closed = tokens.last().is_some_and(|token| token.is(b')'));
+    let parts = tokens.get(2..tokens.len() - 1).filter(|_| closed).and_then(arguments);
+    parts.unwrap_or_default().into_iter().map(|part| unnamed(text, part)).collect()
+}
+
+/// The argument of set_tcp.
+fn tool(text: &[u8], part: &[Token]) -> Reference {
+    let tool = match Expression::read(text, part) {
+        Expression::Pose(six) => crate::Dialect::UrScript.pose(&six.values).map(Reference::Value),
+        Expression::Name(name) => Some(Reference::Named(name)),
+        _ => None,
+    };
+    tool.unwrap_or(Reference::Unknown("its value is computed".into()))
 }
 
 /// Lines; those inside of brackets are joined.
@@ -79,7 +157,13 @@ fn setters(text: &[u8], statements: &[Vec<Token>]) -> Vec<String> {
                 routines.push((at.word().unwrap_or("").into(), Vec::new()));
                 stack.push(Some(routines.len() - 1));
             }
-            Some("if" | "while") => stack.push(None),
+            Some("if" | "while" | "for") => stack.push(None),
+            Some("run") => {
+                let word = at.word().unwrap_or("");
+                for routine in stack.iter().flatten() {
+                    routines[*routine].1.push(word.into());
+                }
+            }
             Some("end") => {
                 stack.pop();
             }
@@ -108,8 +192,11 @@ struct Reader<'t> {
     text: &'t [u8],
     file: File,
     flow: Flow,
-    depth: usize,
+    /// Blocks that are open; of a routine what was active outside.
+    open: Vec<Option<Outer>>,
     setters: Vec<String>,
+    /// The tool of all calls of set_tcp, where it is one.
+    tool: Option<Reference>,
 }
 
 impl Reader<'_> {
@@ -117,31 +204,59 @@ impl Reader<'_> {
         let mut at = Cursor::new(self.text, tokens);
         let line = tokens[0].line;
         let Some(first) = at.word() else { return };
+        let inside = tokens.iter().zip(tokens.iter().skip(1)).skip(1).find(|(token, next)| {
+            token.kind == Kind::Word && next.is(b'(') && MOTIONS.contains(&at.str_of(token))
+        });
+        if let Some((token, _)) = inside {
+            let words = "a motion that is not at the beginning of its statement is not read";
+            self.file.refused.push((line, at.str_of(token).into(), words));
+        }
         match first {
-            "def" | "thread" => {
-                self.flow.open(false);
-                if self.depth > 0 {
-                    let words = "a routine may be called with another tool";
-                    self.flow.set(TOOL, Reference::Unknown(words.into()));
-                }
-                self.depth += 1;
-            }
-            "if" => self.flow.open(false),
+            "def" | "thread" => self.routine(at.word().unwrap_or("")),
+            "if" => self.block(false),
             "elif" | "else" => self.flow.branch(),
-            "while" => self.flow.open(true),
-            "end" => {
-                self.flow.close();
-                self.depth = self.depth.saturating_sub(usize::from(tokens.len() == 1 && self.depth > 1));
-            }
-            _ => {
-                if matches!(first, "global" | "local") {
-                    self.assignment(tokens, 1, line);
-                } else if at.take(b'(') {
-                    self.call(first, tokens, line);
-                } else {
-                    self.assignment(tokens, 0, line);
+            "while" | "for" => self.block(true),
+            "end" => match self.open.pop() {
+                Some(Some(outer)) => {
+                    self.flow.leave(outer);
+                    self.file.steps.push(Step::End);
                 }
+                Some(None) => self.flow.close(),
+                None => {}
+            },
+            "run" => {
+                let thread = at.word().unwrap_or("");
+                self.sets(thread);
+                self.file.steps.push(Step::Call(thread.into()));
             }
+            "global" | "local" => self.assignment(tokens, 1, line),
+            _ if at.take(b'(') => self.call(first, tokens, line),
+            _ => self.assignment(tokens, 0, line),
+        }
+    }
+
+    fn block(&mut self, loops: bool) {
+        self.flow.open(loops);
+        self.open.push(None);
+    }
+
+    /// A routine begins: what it does to the tool is done where it is called.
+    fn routine(&mut self, name: &str) {
+        let nested = self.open.iter().any(Option::is_some);
+        let words =
+            if nested { "a routine may be called with another tool" } else { "set_tcp is not called before" };
+        let tool = self.tool.clone().filter(|_| nested);
+        let tool = tool.unwrap_or_else(|| Reference::Unknown(words.into()));
+        let outer = self.flow.enter([Reference::Identity, tool]);
+        self.open.push(Some(outer));
+        self.file.steps.push(Step::Begin(name.into()));
+    }
+
+    /// A routine is called that may set the tool.
+    fn sets(&mut self, name: &str) {
+        if self.setters.iter().any(|setter| setter == name) {
+            let words = format!("{name} is called before, which sets it");
+            self.flow.set(TOOL, Reference::Unknown(words));
         }
     }
 
@@ -162,38 +277,41 @@ impl Reader<'_> {
     }
 
     fn call(&mut self, verb: &str, tokens: &[Token], line: usize) {
-        let closed = tokens.last().is_some_and(|token| token.is(b')'));
-        let parts = tokens.get(2..tokens.len() - 1).filter(|_| closed).and_then(arguments);
-        let parts: Vec<&[Token]> =
-            parts.unwrap_or_default().into_iter().map(|part| unnamed(self.text, part)).collect();
+        let parts = called(self.text, tokens);
+        let begins = |words: &[&str]| words.iter().any(|word| verb.starts_with(word));
         if verb == "set_tcp" {
-            let tool = match parts.first().map(|part| Expression::read(self.text, part)) {
-                Some(Expression::Pose(six)) => {
-                    crate::Dialect::UrScript.pose(&six.values).map(Reference::Value)
-                }
-                Some(Expression::Name(name)) => Some(Reference::Named(name)),
-                _ => None,
-            };
+            let tool = parts.first().map(|part| tool(self.text, part));
             self.flow.set(TOOL, tool.unwrap_or(Reference::Unknown("its value is computed".into())));
-            return;
+        } else if MOTIONS.contains(&verb) {
+            self.motion(verb, &parts, line);
+        } else if AWAY.contains(&verb) {
+            self.file.steps.push(Step::Away { linear: verb.ends_with('l') });
+        } else if begins(&DISPLACING) {
+            self.file.refused.push((line, verb.into(), "it displaces positions while the program runs"));
+        } else if verb == "set_payload" || verb == "set_target_payload" {
+            let mass = parts.first().map(|part| {
+                let text = part.iter().map(|token| Cursor::new(self.text, part).str_of(token));
+                text.collect::<Vec<_>>().concat()
+            });
+            self.file.loads.push((line, format!("{verb} states {} kg", mass.unwrap_or_default())));
+        } else if !begins(&HARMLESS) {
+            self.sets(verb);
+            self.file.steps.push(Step::Call(verb.into()));
+            let parts = parts.iter().map(|part| Expression::read(self.text, part)).collect();
+            self.file.odd.push((line, verb.into(), parts));
         }
-        if self.setters.iter().any(|setter| setter == verb) {
-            let words = format!("{verb} is called before, which sets it");
-            self.flow.set(TOOL, Reference::Unknown(words));
-            return;
-        }
-        if !MOTIONS.contains(&verb) {
-            return;
-        }
+    }
+
+    fn motion(&mut self, verb: &str, parts: &[&[Token]], line: usize) {
         let used = self.flow.motion();
-        let count = if matches!(verb, "movec" | "servoc") { 2 } else { 1 };
-        let count = if verb == "servoc" { 1 } else { count };
-        for k in 0..count {
+        for k in 0..if verb == "movec" { 2 } else { 1 } {
             let target = match parts.get(k) {
                 Some(part) => Expression::read(self.text, part),
                 None => Expression::Computed,
             };
-            self.file.motions.push(Motion { line, verb: verb.into(), target, used });
+            self.file.steps.push(Step::Motion(self.file.motions.len()));
+            let linear = !matches!(verb, "movej" | "servoj");
+            self.file.motions.push(Motion { line, verb: verb.into(), target, used, linear });
         }
     }
 }

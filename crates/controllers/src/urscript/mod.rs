@@ -1,14 +1,14 @@
 //! Universal Robots' script, `.script`.
 //!
 //! ```text
-//! motion = (movej|movel|movep|movec|servoj|servoc) "(" target { "," … } ")"
+//! motion = (movej|movel|movep|movec|servoj|servoc|servol) "(" target { "," … } ")"
 //! target = p "[" x,y,z,rx,ry,rz "]" | "[" q1,…,q6 "]" | name
 //!        | pose_trans "(" frame "," target ")" | get_inverse_kin "(" target "," qnear "=" joints … ")"
 //! value  = [global|local] name "=" (p "[" … "]" | "[" … "]")
 //! tool   = set_tcp "(" p "[" … "]" ")"
 //! ```
 //!
-//! A pose or a list is a point where a motion goes to it, directly or under its name. Metres and radians.
+//! A function that is not known and has a pose or joints is refused. A pose or a list is a point where a motion goes to it, directly or under its name. Metres and radians.
 
 mod expression;
 mod file;

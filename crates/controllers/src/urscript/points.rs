@@ -1,11 +1,13 @@
 //! The points of the first of some scripts, with the frames and tools with which all of them use it.
 
 use super::expression::{Expression, Six};
-use super::file::{File, Motion};
+use super::file::{File, Motion, Step};
 use crate::Dialect;
+use crate::event::{Event, Visit};
 use crate::flow::{FRAME, TOOL};
 use crate::number::{Form, Slot};
-use crate::program::{Branch, Definition, Definitions, Note, Point, Program, Reference, Step, Value};
+use crate::program::{Branch, Definition, Definitions, Note, Point, Program, Reference, Value};
+use std::collections::HashMap;
 use truepose_kinematics::Pose;
 
 /// A target taken apart: the literal or name that is a point, its frame, and the joints near it.
@@ -29,14 +31,27 @@ fn apart(target: &Expression) -> Target<'_> {
 }
 
 struct Names<'f> {
-    files: &'f [File],
+    /// File, value and line of each name.
+    values: HashMap<&'f str, Vec<(usize, &'f Expression, usize)>>,
+    changed: HashMap<&'f str, usize>,
 }
 
 impl<'f> Names<'f> {
-    fn values(&self, name: &str) -> Vec<(usize, &'f Expression, usize)> {
-        let all =
-            self.files.iter().enumerate().flat_map(|(k, file)| file.assigned.iter().map(move |a| (k, a)));
-        all.filter(|(_, (other, ..))| other == name).map(|(k, (_, value, line))| (k, value, *line)).collect()
+    fn of(files: &'f [File]) -> Self {
+        let mut names = Names { values: HashMap::new(), changed: HashMap::new() };
+        for (k, file) in files.iter().enumerate() {
+            for (name, value, line) in &file.assigned {
+                names.values.entry(name).or_default().push((k, value, *line));
+            }
+            for (name, line) in &file.changed {
+                names.changed.entry(name).or_insert(*line);
+            }
+        }
+        names
+    }
+
+    fn values(&self, name: &str) -> &[(usize, &'f Expression, usize)] {
+        self.values.get(name).map_or(&[], Vec::as_slice)
     }
 
     /// The one literal of a name.
@@ -49,7 +64,7 @@ impl<'f> Names<'f> {
     }
 
     fn named(&self, name: &str) -> Option<&'f Six> {
-        match self.values(name)[..] {
+        match *self.values(name) {
             [(_, Expression::Pose(six) | Expression::Joints(six), _)] => {
                 Some(six).filter(|_| self.changed(name).is_none())
             }
@@ -58,8 +73,26 @@ impl<'f> Names<'f> {
     }
 
     fn changed(&self, name: &str) -> Option<usize> {
-        let all = self.files.iter().flat_map(|file| &file.changed);
-        all.filter(|(other, _)| other == name).map(|(_, line)| *line).next()
+        self.changed.get(name).copied()
+    }
+
+    /// Whether an expression is a pose or joints, or a name that has them.
+    fn is_place(&self, expression: &Expression) -> bool {
+        match expression {
+            Expression::Pose(_) | Expression::Joints(_) | Expression::In(..) | Expression::Inverse(..) => {
+                true
+            }
+            Expression::Name(name) => self.values(name).iter().any(|(_, value, _)| {
+                matches!(
+                    value,
+                    Expression::Pose(_)
+                        | Expression::Joints(_)
+                        | Expression::In(..)
+                        | Expression::Inverse(..)
+                )
+            }),
+            Expression::Computed => false,
+        }
     }
 
     fn frame(&self, expression: Option<&'f Expression>) -> Reference {
@@ -84,45 +117,86 @@ struct Found<'f> {
 }
 
 pub(super) fn program(text: &[u8], files: &[File]) -> Program {
-    let names = Names { files };
-    let mut definitions = Definitions::default();
-    let mut found: Vec<Found<'_>> = Vec::new();
-    let mut order = Vec::new();
-    let mut notes = Vec::new();
+    let names = Names::of(files);
+    let mut reading = Reading {
+        names: &names,
+        definitions: Definitions::default(),
+        found: Vec::new(),
+        places: HashMap::new(),
+        notes: Vec::new(),
+    };
+    let mut route: Vec<Vec<Event>> = Vec::new();
     for (place, file) in files.iter().enumerate() {
-        for motion in &file.motions {
-            let target = apart(&motion.target);
-            let mut active = file.uses[motion.used].clone();
-            active[FRAME] = names.frame(target.frame);
-            if let Reference::Named(name) = &active[TOOL]
-                && let Some(pose) = names.named(name).and_then(|six| Dialect::UrScript.pose(&six.values))
-            {
-                definitions.put(name.clone(), Definition::Value(pose));
+        let event = |step: &Step| match step {
+            Step::Begin(name) => Event::Begin(name.clone()),
+            Step::End => Event::End,
+            Step::Call(name) => Event::Call(name.clone()),
+            Step::Away { linear } => Visit::event(Vec::new(), *linear),
+            Step::Motion(number) => {
+                let motion = &file.motions[*number];
+                Visit::event(reading.motion(file, motion, place), motion.linear)
             }
-            let near = target.near.map(|near| names.literal(near).map(|six| six.values.to_vec()));
-            let literals = literals(&names, &target, motion, place);
-            if literals.is_empty() {
-                order.push(Step::Elsewhere);
-                notes.extend(note(&names, &target, motion, place));
-            }
-            for (name, six, joints, fixed) in literals {
-                let at = found.iter().position(|other| other.six.ranges == six.ranges);
-                let at = at.unwrap_or_else(|| {
-                    let (uses, near) = (Vec::new(), Vec::new());
-                    found.push(Found { name, six, joints, fixed, uses, near });
-                    found.len() - 1
-                });
-                found[at].uses.push(active.clone());
-                found[at].near.push(near.clone().flatten());
-                order.push(Step::Point(at));
-            }
-        }
+        };
+        route.push(file.steps.iter().map(event).collect());
+        let refusing = |line: &usize, name: &String, words: &str| {
+            let note = Note::refusing(*line, name.clone(), words.into());
+            Note { file: place, ..note }
+        };
+        let odd = file.odd.iter().filter(|(.., parts)| parts.iter().any(|part| names.is_place(part)));
+        let words = "a function that is not known has a position: whether the robot moves there is not known";
+        reading.notes.extend(odd.map(|(line, name, _)| refusing(line, name, words)));
+        reading.notes.extend(file.refused.iter().map(|(line, name, words)| refusing(line, name, words)));
     }
-    let points = found.iter().map(|found| point(text, found)).collect();
+    let mut notes = reading.notes;
+    notes.extend(files[0].loads.iter().map(|(line, words)| Note::load(*line, words.clone())));
+    let points = reading.found.iter().map(|found| point(text, found)).collect();
+    let definitions = reading.definitions;
     let mut program =
-        Program { dialect: Dialect::UrScript, text: text.to_vec(), points, definitions, order, notes };
+        Program { dialect: Dialect::UrScript, text: text.to_vec(), points, definitions, route, notes };
     in_order_of_text(&mut program);
     program
+}
+
+struct Reading<'f> {
+    names: &'f Names<'f>,
+    definitions: Definitions,
+    found: Vec<Found<'f>>,
+    /// By the place of the first number.
+    places: HashMap<usize, usize>,
+    notes: Vec<Note>,
+}
+
+impl<'f> Reading<'f> {
+    /// The points to which a motion goes.
+    fn motion(&mut self, file: &File, motion: &'f Motion, place: usize) -> Vec<usize> {
+        let names = self.names;
+        let target = apart(&motion.target);
+        let mut active = file.uses[motion.used].clone();
+        active[FRAME] = names.frame(target.frame);
+        if let Reference::Named(name) = &active[TOOL]
+            && let Some(pose) = names.named(name).and_then(|six| Dialect::UrScript.pose(&six.values))
+        {
+            self.definitions.put(name.clone(), Definition::Value(pose));
+        }
+        let near = target.near.map(|near| names.literal(near).map(|six| six.values.to_vec()));
+        let literals = literals(names, &target, motion, place);
+        if literals.is_empty() {
+            self.notes.extend(note(names, &target, motion, place));
+        }
+        let mut at = Vec::new();
+        for (name, six, joints, fixed) in literals {
+            let next = self.found.len();
+            let k = *self.places.entry(six.ranges[0].start).or_insert(next);
+            if k == next {
+                let (uses, near) = (Vec::new(), Vec::new());
+                self.found.push(Found { name, six, joints, fixed, uses, near });
+            }
+            self.found[k].uses.push(active.clone());
+            self.found[k].near.push(near.clone().flatten());
+            at.push(k);
+        }
+        at
+    }
 }
 
 /// Points in the order of the text, not of the motions.
@@ -132,9 +206,9 @@ fn in_order_of_text(program: &mut Program) {
     places.sort_by_key(|&k| start(&program.points[k]));
     let mut to = vec![0; places.len()];
     places.iter().enumerate().for_each(|(new, &old)| to[old] = new);
-    for step in &mut program.order {
-        if let Step::Point(k) = step {
-            *k = to[*k];
+    for event in program.route.iter_mut().flatten() {
+        if let Event::Visit(visit) = event {
+            visit.points.iter_mut().for_each(|k| *k = to[*k]);
         }
     }
     program.points.sort_by_key(start);
@@ -161,8 +235,8 @@ fn literals<'f>(names: &Names<'f>, target: &Target<'f>, motion: &Motion, place: 
             let line = changed.or(computed.map(|(_, _, line)| *line));
             let fixed = line.map(|line| format!("line {line} changes it while the program runs"));
             values
-                .into_iter()
-                .filter_map(|(file, value, _)| match value {
+                .iter()
+                .filter_map(|&(file, value, _)| match value {
                     Expression::Pose(six) if file == 0 => Some((name.clone(), six, false, fixed.clone())),
                     Expression::Joints(six) if file == 0 => Some((name.clone(), six, true, fixed.clone())),
                     _ => None,

@@ -132,8 +132,10 @@ fn rapid_targets_may_span_lines_and_stand_in_arrays() {
     let tool = program.definitions().get("TGRIP").unwrap().unwrap();
     assert!((tool.translation.z - 0.1).abs() < 1e-15);
     assert!(matches!(&program.points()[0].value, Value::Pose { branch: Branch::Abb([0, -1, 1, 0]), .. }));
-    assert_eq!(program.notes().len(), 1);
-    assert!(program.notes()[0].refuses && program.notes()[0].name.starts_with("MoveL Offs(p10"));
+    let refusing: Vec<_> = program.notes().iter().filter(|note| note.refuses).collect();
+    assert_eq!(refusing.len(), 1);
+    assert!(refusing[0].name.starts_with("MoveL Offs(p10"));
+    assert!(program.notes().iter().any(|note| note.load && note.words.contains("TGRIP has 1 kg")));
     let text = counted(&program);
     assert!(
         text.contains(

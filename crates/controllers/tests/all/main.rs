@@ -2,6 +2,8 @@
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
+mod configurations;
 mod corpus;
 mod grammars;
 mod programs;
+mod understood;

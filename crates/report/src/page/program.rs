@@ -6,6 +6,9 @@ use crate::figure::{Bar, Plot, bars, escape, quantile};
 use crate::{RunRecord, count, significant};
 use serde::{Deserialize, Serialize};
 
+/// Outcome of points that stay at a singularity of the wrist.
+const SINGULAR: &str = "unchanged at a wrist singularity";
+
 /// Corrections as the page shows them.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ProgramView {
@@ -87,7 +90,7 @@ pub fn program_report(view: &ProgramView, run: &RunRecord) -> Report {
     if of("refused") > 0 {
         page.text(&format!("{} unchanged: see the reasons below.", count(of("refused"), "point")));
     }
-    let list: Vec<Bar> = ["corrected", "not significant", "refused"]
+    let list: Vec<Bar> = ["corrected", "not significant", SINGULAR, "refused"]
         .into_iter()
         .filter(|outcome| of(outcome) > 0)
         .map(|outcome| Bar {
@@ -168,14 +171,14 @@ fn refused(page: &mut Page, view: &ProgramView) {
     let rows: Vec<Vec<String>> = view
         .points
         .iter()
-        .filter(|point| point.outcome == "refused")
+        .filter(|point| [SINGULAR, "refused"].contains(&point.outcome.as_str()))
         .take(100)
         .map(|point| vec![point.name.clone(), place(view, point), point.reason.clone()])
         .collect();
     if !rows.is_empty() {
         page.section("Unchanged points");
         page.table(
-            "Points that cannot be compensated (the first 100)",
+            "Points that stay as they are, and why (the first 100)",
             &["point", "line", "reason"],
             &rows,
             false,

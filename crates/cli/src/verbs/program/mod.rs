@@ -5,6 +5,7 @@ mod outputs;
 mod places;
 mod rewriting;
 mod rows;
+mod statements;
 
 use super::print_json;
 use super::reporting::Folder;
@@ -57,12 +58,12 @@ pub fn run(args: &Compensate, file: &Path, read: &[NamedFile]) -> Result<(), Fai
         let inputs: Vec<&Path> = inputs.into_iter().flatten().chain(&own.with).map(|file| &**file).collect();
         folder.add(&mut files, &made.view, &inputs, |run| Ok(program_report(&made.view, run)))?;
     }
+    for line in &made.notes {
+        terminal::log(&format!("note: {line}"));
+    }
     files.finish()?;
     if let Some(folder) = &folder {
         terminal::log(&format!("wrote {}", folder.page().display()));
-    }
-    for line in &made.notes {
-        terminal::log(&format!("note: {line}"));
     }
     if args.json {
         return print_json(&made.view);
@@ -75,11 +76,12 @@ pub fn run(args: &Compensate, file: &Path, read: &[NamedFile]) -> Result<(), Fai
 fn tally<'a>(outcomes: impl Iterator<Item = &'a str>) -> String {
     let outcomes: Vec<&str> = outcomes.collect();
     let of = |outcome: Outcome| outcomes.iter().filter(|word| **word == outcome.word()).count();
-    let parts: Vec<String> = [Outcome::Corrected, Outcome::NotSignificant, Outcome::Refused]
-        .into_iter()
-        .filter(|&outcome| of(outcome) > 0)
-        .map(|outcome| format!("{} {}", of(outcome), outcome.word()))
-        .collect();
+    let parts: Vec<String> =
+        [Outcome::Corrected, Outcome::NotSignificant, Outcome::Singular, Outcome::Refused]
+            .into_iter()
+            .filter(|&outcome| of(outcome) > 0)
+            .map(|outcome| format!("{} {}", of(outcome), outcome.word()))
+            .collect();
     if parts.is_empty() { "none".into() } else { parts.join(", ") }
 }
 
@@ -109,6 +111,13 @@ fn said(args: &Compensate, made: &Rewritten, outputs: &[PathBuf]) {
         terminal::print(&format!("largest correction: {}\n", millimetres(1e-3 * largest)));
     }
     let program = args.robot_program.program.as_deref();
+    let singular = view.points.iter().filter(|point| point.outcome == Outcome::Singular.word());
+    for point in singular.take(LISTED) {
+        terminal::print(&format!(
+            "  unchanged: {}, line {}: {}: {}\n",
+            point.file, point.line, point.name, point.reason
+        ));
+    }
     for (file, line, words) in made.refused.iter().take(LISTED) {
         let place = match program == Some(file.as_path()) {
             true => String::new(),

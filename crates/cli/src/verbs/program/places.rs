@@ -42,6 +42,7 @@ pub(super) fn options(
         controller_flange: places.controller_flange,
         channels: own.channel.clone(),
         limit: own.limit,
+        external: own.external.clone(),
         ignore_external: own.ignore_external,
         ..CorrectOptions::default()
     };

@@ -2,10 +2,10 @@
 
 use super::asked::Asked;
 use super::rows::{Part, rows, view};
-use super::{LISTED, places};
+use super::{LISTED, places, statements};
 use crate::failure::Failure;
 use std::path::{Path, PathBuf};
-use truepose_controllers::{ControllerError, Correction, Dialect, Outcome, Program, correct_all};
+use truepose_controllers::{ControllerError, Correction, Dialect, Outcome, Program, correct_all, unused};
 use truepose_errormodel::FittedModel;
 use truepose_io::{CorrectionRow, read_bytes};
 use truepose_report::{ProgramView, count};
@@ -65,14 +65,18 @@ pub(crate) fn rewrite(fitted: &FittedModel, file: &Path, asked: &Asked<'_>) -> R
         .map(|k| Part { file: paths[k], program: &programs[k], corrections: &corrections[k], own: &taken[k] })
         .collect();
     let refused = refusals(&parts, &own.leave);
+    let mut stated = unused(&programs, &options);
     if !refused.is_empty() && !own.mark && !own.dry_run {
-        return Err(rejected(&parts, &refused));
+        return Err(rejected(&parts, &refused, &stated));
     }
     if !own.dry_run && !taken.iter().flatten().any(|own| *own) {
         return Err(Failure::Input(format!(
             "{}: nothing to compensate: no point has a value in the files given; add the file that has them (--with FILE)",
             file.display()
         )));
+    }
+    if !own.dry_run && left_unchanged(&parts, &own.leave) {
+        return Err(rejected(&parts, &refused, &stated));
     }
     let mut files = Vec::new();
     for (k, part) in parts.iter().enumerate() {
@@ -88,8 +92,20 @@ pub(crate) fn rewrite(fitted: &FittedModel, file: &Path, asked: &Asked<'_>) -> R
         };
         files.push(RewrittenFile { file: part.file.into(), text, rows: rows(part) });
     }
-    let view = view(fitted, &parts, own.dry_run);
-    Ok(Rewritten { files, view, refused, notes: notes(&parts, &own.leave) })
+    stated.extend(statements::statements(fitted, &parts, &options, own.payload));
+    let mut view = view(fitted, &parts, own.dry_run);
+    view.notes.extend(stated.iter().cloned());
+    stated.extend(notes(&parts, &own.leave));
+    Ok(Rewritten { files, view, refused, notes: stated })
+}
+
+/// Whether nothing is compensated, and something is refused: the program would be the one that was read.
+fn left_unchanged(parts: &[Part<'_>], leave: &[String]) -> bool {
+    let all = parts.iter().flat_map(|part| part.program.points().iter().zip(part.corrections).zip(part.own));
+    let own = all.filter(|((point, _), own)| **own && !left(leave, &point.name));
+    let outcomes: Vec<Outcome> = own.map(|((_, correction), _)| correction.outcome).collect();
+    let open = |outcome: &Outcome| matches!(outcome, Outcome::Refused | Outcome::Singular);
+    outcomes.contains(&Outcome::Refused) && outcomes.iter().all(open)
 }
 
 fn left(names: &[String], name: &str) -> bool {
@@ -151,7 +167,7 @@ fn notes(parts: &[Part<'_>], leave: &[String]) -> Vec<String> {
     let mut all = Vec::new();
     for part in parts {
         let file = part.file.display();
-        for note in part.program.notes().iter().filter(|note| note.file == 0 && !note.refuses) {
+        for note in part.program.notes().iter().filter(|note| note.file == 0 && !note.refuses && !note.load) {
             if note.missing.as_ref().is_none_or(|point| left(leave, point)) {
                 all.push(format!("{file}:{}: {}: {}: it stays as it is", note.line, note.name, note.words));
             }
@@ -175,7 +191,7 @@ fn notes(parts: &[Part<'_>], leave: &[String]) -> Vec<String> {
     all
 }
 
-fn rejected(parts: &[Part<'_>], refused: &[(PathBuf, usize, String)]) -> Failure {
+fn rejected(parts: &[Part<'_>], refused: &[(PathBuf, usize, String)], stated: &[String]) -> Failure {
     let mut lines: Vec<String> = refused
         .iter()
         .take(LISTED)
@@ -184,15 +200,20 @@ fn rejected(parts: &[Part<'_>], refused: &[(PathBuf, usize, String)]) -> Failure
     if refused.len() > LISTED {
         lines.push(format!("and {} more", refused.len() - LISTED));
     }
+    lines.extend_from_slice(stated);
     let points: usize = parts.iter().map(|part| part.own.iter().filter(|own| **own).count()).sum();
     let statements = parts
         .iter()
         .flat_map(|part| part.program.notes().iter().filter(|note| note.file == 0))
         .filter(|note| note.refuses || note.missing.is_some());
+    let (refused, all) = (refused.len(), points + statements.count());
+    let remedy = match refused < all && !left_unchanged(parts, &[]) {
+        true => "--mark leaves them as they are; --dry-run writes the table alone",
+        false => "--dry-run writes the table alone",
+    };
     lines.push(format!(
-        "nothing is written: {} of {} cannot be compensated. --mark leaves them as they are; --dry-run writes the table alone",
-        refused.len(),
-        count(points + statements.count(), "point")
+        "nothing is written: {refused} of {} cannot be compensated. {remedy}",
+        count(all, "point")
     ));
     Failure::Input(lines.join("\n"))
 }

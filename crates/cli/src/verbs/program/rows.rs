@@ -80,7 +80,7 @@ pub(super) fn view(fitted: &FittedModel, parts: &[Part<'_>], dry_run: bool) -> P
         }
     };
     let notes = parts.iter().flat_map(|part| {
-        let own = part.program.notes().iter().filter(|note| note.file == 0);
+        let own = part.program.notes().iter().filter(|note| note.file == 0 && !note.load);
         own.map(|note| {
             let words = format!("{}, line {}: {}: {}", short(part.file), note.line, note.name, note.words);
             if note.missing.is_some() { format!("{words}: it stays as it is") } else { words }

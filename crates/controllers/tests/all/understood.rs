@@ -1,0 +1,191 @@
+//! What carries a pose and is not understood is refused, and every argument is read by its instruction.
+
+use truepose_controllers::{Dialect, Program, Reference, Value};
+
+fn read(dialect: Dialect, text: &str) -> Program {
+    Program::read(text.as_bytes(), &[], dialect).expect("a program")
+}
+
+/// Lines of the notes that refuse.
+fn refused(program: &Program) -> Vec<usize> {
+    let mut lines: Vec<usize> =
+        program.notes().iter().filter(|note| note.refuses).map(|note| note.line).collect();
+    lines.sort_unstable();
+    lines
+}
+
+fn tools(program: &Program) -> Vec<String> {
+    let of = |value: &Value| match value {
+        Value::Pose { tool: Reference::Named(name), .. } => name.clone(),
+        Value::Pose { tool, .. } => tool.words(),
+        Value::Joints(_) => "joints".into(),
+    };
+    program.points().iter().map(|point| of(&point.value)).collect()
+}
+
+const PLACE: &str = "[[700,10,640],[0,0,1,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]]";
+
+fn module(lines: &[String]) -> String {
+    let declared = format!(
+        "CONST robtarget p1:={PLACE};\nCONST robtarget p2:={PLACE};\nCONST jointtarget e1:=[[0,0,0,0,0,0],[7,9E9,9E9,9E9,9E9,9E9]];\n"
+    );
+    format!("MODULE M\n{declared}PROC main()\n{}\nENDPROC\nENDMODULE\n", lines.join("\n"))
+}
+
+#[test]
+fn rapid_arguments_are_those_of_the_instruction() {
+    for (instruction, tool, points) in [
+        (format!("ArcLStart {PLACE},v100,seam2,weld3,fine,torch\\WObj:=w;"), "TORCH", 1),
+        (format!("ArcC {PLACE},{PLACE},v100,seam2,weld3\\Weave:=weave1,z1,torch;"), "TORCH", 2),
+        (format!("ArcL\\On,{PLACE},v100,seam2,weld3,weave1,z1,torch;"), "TORCH", 1),
+        (format!("SpotJ {PLACE},vmax,gun1,spot10,tgun;"), "TGUN", 1),
+        (format!("PaintL {PLACE},v100,z5,bell;"), "BELL", 1),
+        (format!("DispL\\On,{PLACE},v100,bead1,z30,nozzle;"), "NOZZLE", 1),
+        (format!("CapC {PLACE},{PLACE},v100,cd,wst,z1,head;"), "HEAD", 2),
+        (format!("MoveLDO {PLACE},v100,z10,grip,do1,1;"), "GRIP", 1),
+        (format!("MoveJSync {PLACE},v100,z10,grip,\"proc1\";"), "GRIP", 1),
+        (format!("MoveCGO {PLACE},{PLACE},v100,z10,grip\\WObj:=w,go1\\Value:=3;"), "GRIP", 2),
+        (format!("TriggL {PLACE},v100,trig1\\T2:=trig2,z10,grip;"), "GRIP", 1),
+        (format!("SearchL\\Stop,di1,sp,{PLACE},v100,probe;"), "PROBE", 1),
+        (format!("MoveL\\Conc,{PLACE},v100,z10,grip;"), "GRIP", 1),
+    ] {
+        let program = read(Dialect::Rapid, &module(std::slice::from_ref(&instruction)));
+        assert_eq!(refused(&program), [0; 0], "{instruction} {:?}", program.notes());
+        let inline: Vec<String> = tools(&program).into_iter().filter(|name| name == tool).collect();
+        assert_eq!(inline.len(), points, "{instruction} {:?}", tools(&program));
+    }
+}
+
+#[test]
+fn rapid_instructions_that_are_not_known_are_refused_where_they_have_a_point() {
+    let lines = [
+        format!("MoveX {PLACE},v1,fine,tool0;"),
+        "ArcWobble p1,v1,s,w,fine,tool0;".into(),
+        "pickPart p2\\Fast;".into(),
+        "IF a > 1 AND b THEN grab p1; ENDIF".into(),
+        format!("MoveL {PLACE}\\Wobble,v1,fine,tool0;"),
+        "MoveL Offs(p1,0,0,5),v1,fine,tool0;".into(),
+        "TPWrite \"x\"\\Pos:=p1.trans;".into(),
+        "WaitDI di1,1;".into(),
+        "MoveExtJ e1,vrot10,fine;".into(),
+        "MoveL p1,v1;".into(),
+    ];
+    let program = read(Dialect::Rapid, &module(&lines));
+    assert_eq!(refused(&program), [6, 7, 8, 9, 10, 11, 15], "{:?}", program.notes());
+    // Joints of the robot in it are not read.
+    assert!(program.points().iter().all(|point| point.name != "E1"), "{:?}", tools(&program));
+}
+
+#[test]
+fn krl_statements_that_are_not_understood_are_refused_where_they_have_a_point() {
+    let text = "DEF a()\nDECL E6POS XA={X 1,Y 2,Z 3,A 4,B 5,C 6,S 2,T 2}\n$BASE=$NULLFRAME\n$TOOL=$NULLFRAME\nSPLINE\nSPL XA\nENDSPLINE\nLIN XA C_DIS C_ORI\nSCIRC XA, {X 1,Y 2,Z 3,A 4,B 5,C 6}, CA 180\n\
+                LIN XA WOBBLE\nGLIDE {X 1,Y 2,Z 3,A 4,B 5,C 6}\nGLIDE XA\nFETCH(XA,5)\nFETCH(5)\nPTP $POS_ACT\nLIN $NULLFRAME\nSLIN_REL {Z 5}\nPTP XA #INITMOV\nEND\n";
+    let program = read(Dialect::Krl, text);
+    assert_eq!(refused(&program), [10, 11, 12, 13, 17], "{:?}", program.notes());
+    let missing =
+        program.notes().iter().find(|note| note.missing.is_some()).expect("a position of the controller");
+    assert_eq!((missing.line, missing.missing.as_deref()), (16, Some("$NULLFRAME")));
+}
+
+#[test]
+fn krl_settings_of_a_spline_and_of_a_motion_end_with_it() {
+    let place = "{X 1,Y 2,Z 3,A 4,B 5,C 6}";
+    let text = format!(
+        "DEF a()\n$BASE=$NULLFRAME\n$TOOL=TOOL_DATA[1]\nSPLINE WITH $TOOL=TOOL_DATA[2]\nSPL {place}\nSPL {place} WITH $TOOL=TOOL_DATA[3]\n\
+         SPL {place}\nENDSPLINE\nLIN {place}\nSLIN {place} WITH $IPO_MODE=#TCP\nLIN {place}\nEND\n"
+    );
+    let found = tools(&read(Dialect::Krl, &text));
+    let numbers =
+        ["TOOL_DATA[2]", "TOOL_DATA[3]", "TOOL_DATA[2]", "TOOL_DATA[1]", "not compensated", "TOOL_DATA[1]"];
+    assert_eq!(found, numbers);
+}
+
+#[test]
+fn fanuc_options_are_known_or_refused_in_the_language_of_the_controller() {
+    let place = |number: usize, key: &str| {
+        format!(
+            "P[{number}]{{\n   GP1:\n\tUF : 0, UT : 1,\t\t{key} : 'N U T, 0, 0, 0',\n\tX = 700.000 mm,\tY = 10.000 mm,\tZ = 300.000 mm,\n\tW = 180.000 deg,\tP = 0.000 deg,\tR = 0.000 deg\n}};\n"
+        )
+    };
+    let lines = [
+        "J P[1] 100% CNT50 ACC80 Wjnt TB .10sec,CALL GRAB_IT(1) ;",
+        "L P[1:\"a Offset b\"] max_Geschw. FEIN PTH ;",
+        "L P[1] 500mm/sek CNT100 ZEIT VOR   0.00sek,P-SPS ;",
+        "L P[1] R[2]mm/sec CNT R[3] Arc Start[1,AR[2]] Skip,LBL[3] ;",
+        "L P[1] 100mm/sec FINE Wobble,PR[1] ;",
+        "L P[2] 100mm/sec FINE WKZ_Offset,PR[1] ;",
+        "L P[3] 100mm/sec FINE RTCP ;",
+        "PR[5]=P[1] ;",
+        "TOUCH P[1] ;",
+        "A[717]=AN ;",
+        "S P[1] 100mm/sec FINE ;",
+    ];
+    let lines: String = lines.iter().enumerate().map(|(k, line)| format!("{:4}:{line}\n", k + 1)).collect();
+    let points = [place(1, "KONFIG"), place(2, "CONFIG"), place(3, "CONFIG")].concat();
+    let program = read(Dialect::Fanuc, &format!("/PROG A\n/ATTR\n/MN\n{lines}/POS\n{points}/END\n"));
+    assert_eq!(refused(&program), [8, 11, 12], "{:?}", program.notes());
+    let fixed = |k: usize| program.points()[k].fixed.clone();
+    assert_eq!(fixed(0), None);
+    assert!(fixed(1).unwrap().contains("WKZ_OFFSET in line 9"), "{:?}", fixed(1));
+    assert!(fixed(2).unwrap().contains("RTCP"), "{:?}", fixed(2));
+}
+
+#[test]
+fn inform_motions_that_are_not_known_are_refused_and_a_shift_ends() {
+    let text = "/JOB\n//NAME A\n//POS\n///TOOL 0\n///POSTYPE PULSE\n///PULSE\nC00000=1,2,3,4,5,6\nC00001=2,3,4,5,6,7\nC00002=3,4,5,6,7,8\n//INST\nNOP\nMOVJ C00000 VJ=10.00 NWAIT\nSFTON P010\n\
+                MOVL C00001 V=100.0 CV#(1) PL=0\nSFTOF\nMOVL C00002 V=10.0\nEIMOVL P011 V=10\nSVSPOTMOV C00002 V=10\nMOVL C00002 WOBBLE\nREFP 1 C00000\nEND\n";
+    let program = read(Dialect::Inform, text);
+    assert_eq!(refused(&program), [17, 18, 19], "{:?}", program.notes());
+    let fixed: Vec<bool> = program.points().iter().map(|point| point.fixed.is_some()).collect();
+    assert_eq!(fixed, [true, true, false]);
+    let jumps = read(Dialect::Inform, &text.replace("NOP", "JUMP *A"));
+    assert!(jumps.points().iter().all(|point| point.fixed.is_some()));
+}
+
+#[test]
+fn a_tool_that_is_set_before_a_thread_holds_behind_it() {
+    let text = "def job():\n  set_tcp(p[0,0,0.12,0,0,0])\n  thread watch():\n    while (True):\n      sync()\n    end\n  end\n  run watch()\n  def part():\n    movel(p[0.4,0.1,0.3,0,3,0])\n  end\n\
+                movel(p[0.4,0.1,0.3,0,3,0])\n  part()\nend\n";
+    let tools = |text: &str| tools(&read(Dialect::UrScript, text));
+    assert_eq!(tools(text), ["given in the program", "given in the program"]);
+    // A thread, or a routine, that sets another one.
+    let other = text.replace("sync()", "set_tcp(p[0,0,0.3,0,0,0])");
+    assert_eq!(tools(&other), ["unknown", "unknown"]);
+}
+
+#[test]
+fn script_functions_that_are_not_known_are_refused_where_they_have_a_place() {
+    let text = "def job():\n  w = p[0.4,0.1,0.3,0,3,0]\n  servol(w, 0, 0, 0.1)\n  speedl([0,0,0.1,0,0,0], 0.5, 1)\n  mc_add_linear(p[0.4,0.1,0.3,0,3,0], 0.1, 1, 0)\n  glide(w)\n  textmsg(\"at \", w)\n\
+                if (a): movel(w)\n  end\n  track_conveyor_linear(p[1,0,0,0,0,0], 5)\n  set_digital_out(1, True)\n  set_payload(2.5, [0,0,0.05])\nend\n";
+    let program = read(Dialect::UrScript, text);
+    assert_eq!(refused(&program), [5, 6, 8, 10], "{:?}", program.notes());
+    assert!(program.notes().iter().any(|note| note.load && note.words == "set_payload states 2.5 kg"));
+}
+
+#[test]
+fn frames_and_tools_of_a_controller_are_read_from_its_files() {
+    let point = |n: usize| {
+        format!(
+            "P[{n}]{{\n   GP1:\n\tUF : {n}, UT : 2,\t\tCONFIG : 'N U T, 0, 0, 0',\n\tX = 1.000 mm,\tY = 2.000 mm,\tZ = 3.000 mm,\n\tW = 0.000 deg,\tP = 0.000 deg,\tR = 0.000 deg\n}};\n"
+        )
+    };
+    let job = format!("/PROG A\n/ATTR\n/MN\n1:L P[1] 5mm/sec FINE ;\n/POS\n{}/END\n", point(1));
+    let variables = "[*SYSTEM*]$MCR  Storage: CMOS  Access: RW  : MCR_T\n[*SYSTEM*]$MNUFRAME  Storage: CMOS  Access: RW  : ARRAY[1,10] OF POSITION\n     [1,1] =   Group: 1   Config: N D B, 0, 0, 0\n\
+                     \x20 X:   500.000   Y:    -1.500   Z:     0.000\n  W:     0.000   P:     0.000   R:    90.000\n     [1,2] =   Group: 1   Config: N D B, 0, 0, 0\n  X: ******** Y: ******** Z: ********\n\
+                     [*SYSTEM*]$MNUTOOL  Storage: CMOS  Access: RW  : ARRAY[1,10] OF POSITION\n     [1,2] =   Group: 1   Config: N D B, 0, 0, 0\n  X:     0.000   Y:     0.000   Z:   210.000\n  W:     0.000   P:     0.000   R:     0.000\n";
+    let all = Program::read_all(&[job.as_bytes(), variables.as_bytes()], Dialect::Fanuc).expect("programs");
+    let of = |name: &str| all[0].definitions().get(name).expect("usable").map(|pose| pose.translation * 1e3);
+    assert_eq!(of("UF1").map(|place| [place.x, place.y]), Some([500.0, -1.5]));
+    assert!(of("UT2").is_some_and(|place| (place.z - 210.0).abs() < 1e-9));
+    assert_eq!(of("UF2"), None);
+    assert!(all[1].points().is_empty());
+
+    let job = "/JOB\n//NAME A\n//POS\n///TOOL 3\n///POSTYPE USER\n///USER 2\n///RECTAN\nC00000=1,2,3,0,0,0\n//INST\nMOVL C00000 V=5.0\nEND\n";
+    let user = "//UFRAME 2\r\n///NAME TABLE\r\n///TOOL 0\r\n////BUSER 700.000,10.000,0.000,0.0000,0.0000,90.0000\r\n";
+    let tool = "//TOOL 0\n///NAME \n0.000,0.000,0.000,0.00,0.00,0.00\n//TOOL 3\n///NAME GUN\n0.000,0.000,155.000,0.00,0.00,0.00\n2.0\n0.0,0.0,80.0\n";
+    let all = Program::read_all(&[job.as_bytes(), user.as_bytes(), tool.as_bytes()], Dialect::Inform)
+        .expect("jobs");
+    let of = |name: &str| all[0].definitions().get(name).expect("usable").map(|pose| pose.translation * 1e3);
+    assert!(of("USER 2").is_some_and(|place| (place.x - 700.0).abs() < 1e-9));
+    assert!(of("TOOL 3").is_some_and(|place| (place.z - 155.0).abs() < 1e-9));
+}
