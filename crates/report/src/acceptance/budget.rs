@@ -121,7 +121,8 @@ impl BudgetSummary {
             if n > 0.0 { sum / n } else { 0.0 }
         };
         let each = |of: &dyn Fn(usize) -> f64| [of(0), of(1), of(2)];
-        let seen = |row: usize| data.seen(row).position;
+        // What was measured along a direction has a part in all axes.
+        let seen = |row: usize| if data.ray(row).is_some() { [true; 3] } else { data.seen(row).position };
         // An axis that no row measured has no part in it.
         let axes = [0, 1, 2].map(|k| rows.iter().any(|&row| seen(row)[k]));
         let stated = each(&|k| {
@@ -132,7 +133,8 @@ impl BudgetSummary {
         }
         let (repeats, freedom) = match &found.repeats {
             Some(repeats) => {
-                let counts = rows.iter().map(|&row| data.seen(row).components()).filter(|&n| n > 0);
+                let counts =
+                    rows.iter().map(|&row| seen(row).iter().filter(|seen| **seen).count()).filter(|&n| n > 0);
                 let each = mean(&mut counts.map(|n| n as f64));
                 (repeats.rms.powi(2) / each.max(1.0), repeats.freedom as f64)
             }

@@ -108,7 +108,7 @@ pub fn program_report(view: &ProgramView, run: &RunRecord) -> Report {
     refused(&mut page, view);
     listed(&mut page, view);
     if !view.notes.is_empty() {
-        page.section("Positions that are not in the program");
+        page.section("Notes");
         page.list(&view.notes);
     }
     page.section("Files");
