@@ -20,8 +20,8 @@ pub(crate) fn gross(residuals: &Residuals, data: &Dataset) -> Vec<usize> {
         return Vec::new();
     }
     let middle = distances.len() / 2;
-    let median = *distances.select_nth_unstable_by(middle, f64::total_cmp).1;
-    let far = |&row: &usize| size(row).is_some_and(|size| size > FAR * median);
+    let deviation = *distances.select_nth_unstable_by(middle, f64::total_cmp).1;
+    let far = |&row: &usize| residuals.distance(row).is_some_and(|distance| distance > FAR * deviation);
     (0..residuals.position.len()).filter(far).collect()
 }
 
