@@ -1,6 +1,7 @@
 //! What is wrong with a landmark or a sensor, and not with the robot.
 
 use crate::significant;
+use crate::wording::p_text;
 use serde::{Deserialize, Serialize};
 use truepose_errormodel::Dataset;
 use truepose_identify::Suspect;
@@ -57,10 +58,10 @@ impl SuspectSummary {
     pub fn sentence(&self) -> String {
         let (what, advice) = self.words();
         format!(
-            "{what}: {} {} RMS at its rows (p = {}). {advice}",
+            "{what}: {} {} RMS at its rows ({}). {advice}",
             significant(self.rms, 2),
             self.unit,
-            significant(self.p_value, 2)
+            p_text(self.p_value)
         )
     }
 

@@ -20,6 +20,11 @@ pub fn significant(value: f64, digits: usize) -> String {
     format!("{value:.decimals$}")
 }
 
+/// `p = 0.012`; what is below all numbers is no zero.
+pub fn p_text(p: f64) -> String {
+    if p < f64::MIN_POSITIVE { "p < 1e-300".into() } else { format!("p = {}", significant(p, 2)) }
+}
+
 /// A length in millimetres.
 pub fn millimetres(metres: f64) -> String {
     format!("{} mm", significant(metres * 1e3, 3))
@@ -185,5 +190,16 @@ mod tests {
         assert_eq!((value.as_str(), half.as_str(), unit.as_str()), ("1.235", "0.017", "mm"));
         let (value, half, unit) = value_with_interval(3.21e-6, 4.4e-7, "rad/(N*m)");
         assert_eq!((value.as_str(), half.as_str(), unit.as_str()), ("3.21", "0.44", "µrad/(N*m)"));
+    }
+
+    #[test]
+    fn a_p_below_all_numbers_is_no_zero() {
+        assert_eq!([0.0, 1.4e-6, 0.5].map(p_text), ["p < 1e-300", "p = 1.4e-6", "p = 0.50"]);
+    }
+
+    #[test]
+    fn more_rounds_are_advised_where_they_were_used_up() {
+        let words = |all| warning_text(&Warning::NotConverged { rounds: 28, all });
+        assert!(words(true).contains("raise --rounds") && !words(false).contains("--rounds"));
     }
 }

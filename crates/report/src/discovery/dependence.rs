@@ -1,5 +1,6 @@
 //! Dependence of poses on those measured before: numbers and the sentence about them.
 
+use crate::wording::p_text;
 use crate::wording::significant;
 use serde::{Deserialize, Serialize};
 use truepose_discover::Dependence;
@@ -59,11 +60,11 @@ impl DependenceSummary {
             (None, None) => return None,
         };
         Some(format!(
-            "The instrument or the robot wanders by {wander} mm RMS over {over} (autocorrelation of neighbouring poses {}, p = {}). \
+            "The instrument or the robot wanders by {wander} mm RMS over {over} (autocorrelation of neighbouring poses {}, {}). \
              Tests of effects allow for it. An \
              effect that follows the order of the poses and is not in the model looks the same.",
             significant(self.autocorrelation, 2),
-            significant(self.p_value, 2)
+            p_text(self.p_value)
         ))
     }
 }

@@ -1,5 +1,6 @@
 //! Repeatability in joint space: numbers and the sentence about them.
 
+use crate::wording::p_text;
 use crate::wording::significant;
 use serde::{Deserialize, Serialize};
 use truepose_discover::JointRepeatability;
@@ -35,11 +36,11 @@ impl JointRepeatabilitySummary {
         let sliding = self.sliding_um.map(|sd| format!("{} µm (each sliding joint)", significant(sd, 2)));
         let each: Vec<String> = turning.into_iter().chain(sliding).collect();
         format!(
-            "Repeatability in joint space: standard deviation {}, {} mm RMS at the targets (p = {}). Tests of \
+            "Repeatability in joint space: standard deviation {}, {} mm RMS at the targets ({}). Tests of \
              effects and the repeatability limit allow for it.",
             each.join(" and "),
             significant(self.tool_mm, 2),
-            significant(self.p_value, 2)
+            p_text(self.p_value)
         )
     }
 }

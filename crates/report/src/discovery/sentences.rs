@@ -2,6 +2,7 @@
 
 use super::{DiscoverySummary, FindingSummary, NestedSummary, NoiseReference, WithdrawnSummary};
 use crate::statistics::interval_text;
+use crate::wording::p_text;
 use crate::{PositionStatistics, count, significant};
 use truepose_discover::{Check, Family, HeldOut, Termination};
 
@@ -50,8 +51,8 @@ impl DiscoverySummary {
         let rms = significant(self.before.train_used().rms_mm, 3);
         match (self.lack_of_fit.against, self.lack_of_fit.before, self.lack_of_fit.pure_error_mm) {
             (NoiseReference::Repeats, Some(p), Some(_)) => format!(
-                "Residual of the declared model: {rms} mm RMS. Lack of fit against repeats: p = {}.",
-                significant(p, 2)
+                "Residual of the declared model: {rms} mm RMS. Lack of fit against repeats: {}.",
+                p_text(p)
             ),
             _ => format!(
                 "Residual of the declared model: {rms} mm RMS. No repeated poses: significance comes from a rotation test of the \
@@ -95,7 +96,7 @@ impl DiscoverySummary {
 
     /// Why the search ended.
     pub(crate) fn termination(&self) -> String {
-        let p = format!("(p = {})", significant(self.unexplained.p_value, 2));
+        let p = format!("({})", p_text(self.unexplained.p_value));
         let found = self.effects.iter().filter(|e| e.family != Family::Outlier.word()).count();
         match self.stopped {
             Termination::NothingLeft if found == 0 => {

@@ -2,6 +2,7 @@
 
 use super::{DiscoverySummary, FindingSummary};
 use crate::wording::heading;
+use crate::wording::p_text;
 use crate::{count, significant};
 use std::fmt;
 use truepose_discover::{Family, HeldOut};
@@ -179,7 +180,7 @@ impl FindingSummary {
             }
             return Ok(());
         }
-        let existence = std::iter::once(format!("p = {}", significant(self.p_value, 2)));
+        let existence = std::iter::once(p_text(self.p_value));
         let existence: Vec<String> = existence
             .chain(
                 self.selection()

@@ -2,6 +2,7 @@
 
 use super::{DependenceSummary, DiscoverySummary, NoiseFloorSummary, StatedScaleSummary};
 use crate::statistics::interval_text;
+use crate::wording::p_text;
 use crate::{count, significant};
 use truepose_discover::{Family, FloorSource, Termination, Verdict};
 
@@ -40,7 +41,7 @@ impl DiscoverySummary {
 
     fn not_explained(&self, left: &str) -> String {
         let unexplained = &self.unexplained;
-        let p = significant(unexplained.p_value, 2);
+        let p = p_text(unexplained.p_value);
         let what = match unexplained.rms_mm {
             Some(rms) if rms > 0.0 => {
                 format!(
@@ -53,28 +54,25 @@ impl DiscoverySummary {
         };
         let why = match (self.stopped, unexplained.lack_of_fit_p) {
             (Termination::NothingLeft, Some(lack)) => {
-                format!(
-                    "no effect that this program knows explains it (lack of fit p = {})",
-                    significant(lack, 2)
-                )
+                format!("no effect that this program knows explains it (lack of fit {})", p_text(lack))
             }
             (Termination::NothingConvincing, _) => {
                 format!(
-                    "the residual is significant (p = {p}), and no effect that this program knows explains it"
+                    "the residual is significant ({p}), and no effect that this program knows explains it"
                 )
             }
             (Termination::Circling, _) => {
                 format!(
-                    "the residual is significant (p = {p}), and it cannot be decided which effect explains it"
+                    "the residual is significant ({p}), and it cannot be decided which effect explains it"
                 )
             }
             (Termination::Limit, _) => {
                 format!(
-                    "the largest permitted number of effects was added, and the residual is significant (p = {p})"
+                    "the largest permitted number of effects was added, and the residual is significant ({p})"
                 )
             }
             (Termination::Withdrawn, _) => "the effects that were found did not hold on unseen data".into(),
-            _ => format!("no effect that this program knows explains it (p = {p})"),
+            _ => format!("no effect that this program knows explains it ({p})"),
         };
         format!("{what}; {why}.")
     }

@@ -6,6 +6,7 @@ use super::{Page, Report};
 use crate::discovery::text::WITHOUT_EXCLUDED;
 use crate::discovery::{DiscoverySummary, FindingSummary};
 use crate::figure::{Bar, escape, range, trace_figure, unit_text, waterfall};
+use crate::wording::p_text;
 use crate::{RunRecord, SpecificationSummary, count, parameter_text, significant};
 use truepose_discover::{Diagnosis, Family, HeldOut};
 use truepose_errormodel::Dataset;
@@ -276,8 +277,8 @@ fn finding(page: &mut Page, number: usize, effect: &FindingSummary, found: &Diag
         page.raw("</details>");
     }
     page.text(&format!(
-        "Existence: p = {} (family-wise, rotation test){}; RMS on held-out rows {} → {} mm. Name (probability): {}.{}",
-        significant(effect.p_value, 2),
+        "Existence: {} (family-wise, rotation test){}; RMS on held-out rows {} → {} mm. Name (probability): {}.{}",
+        p_text(effect.p_value),
         effect.selection().iter().map(|words| format!("; {words}")).collect::<String>(),
         significant(effect.holdout_rms_mm.before, 3),
         significant(effect.holdout_rms_mm.after, 3),

@@ -1,6 +1,7 @@
 //! The summary of a look at a robot.
 
 use super::{quantity, size};
+use crate::wording::p_text;
 use crate::{millimetres, significant, value_with_interval};
 use serde::Serialize;
 use std::fmt;
@@ -62,7 +63,7 @@ impl SetUpAnew {
 
     /// For a person: what may have happened, and what to do.
     fn text(&self) -> String {
-        let p = significant(self.p_value, 2);
+        let p = p_text(self.p_value);
         let part = self.part;
         let (happened, moved) = match part {
             "base" => ("the instrument or the robot was set up anew", "neither was moved"),
@@ -70,7 +71,7 @@ impl SetUpAnew {
             _ => ("the targets were mounted anew", "no target was touched"),
         };
         format!(
-            "Most likely {happened}: with the {part} found anew nothing else has changed (p = {p}). Repeat with --{part}.\n\
+            "Most likely {happened}: with the {part} found anew nothing else has changed ({p}). Repeat with --{part}.\n\
              If {moved}, the change is in the arm, as follows."
         )
     }
@@ -150,16 +151,16 @@ impl MonitorSummary {
 
     /// The verdict in one sentence.
     pub fn verdict(&self) -> String {
-        let p = significant(self.p_value, 2);
+        let p = p_text(self.p_value);
         let level = significant(self.level, 2);
         match self.changed {
             false => format!(
-                "No change: p = {p}, level of this look {level} (look {}, {} % over all looks).",
+                "No change: {p}, level of this look {level} (look {}, {} % over all looks).",
                 self.look,
                 significant(100.0 * self.alpha, 2)
             ),
             true => {
-                format!("The robot has changed: p = {p}, level of this look {level} (look {}).", self.look)
+                format!("The robot has changed: {p}, level of this look {level} (look {}).", self.look)
             }
         }
     }
@@ -196,10 +197,10 @@ impl fmt::Display for MonitorSummary {
                     .collect();
                 writeln!(
                     f,
-                    "{}: moves the measured positions by {} RMS (p = {})",
+                    "{}: moves the measured positions by {} RMS ({})",
                     change.what,
                     millimetres(1e-3 * change.moves_mm),
-                    significant(change.p_value, 2)
+                    p_text(change.p_value)
                 )?;
                 if !change.also.is_empty() {
                     writeln!(f, "   the same for these poses: {}", change.also.join(", "))?;

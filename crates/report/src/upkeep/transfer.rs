@@ -2,6 +2,7 @@
 
 use super::{quantity, row_words};
 use crate::wording::heading;
+use crate::wording::p_text;
 use crate::{PositionStatistics, millimetres, significant};
 use serde::Serialize;
 use std::fmt;
@@ -167,14 +168,14 @@ impl fmt::Display for TransferSummary {
         match (self.arm.fits, self.arm.p_value) {
             (Some(true), Some(p)) => writeln!(
                 f,
-                "The arm as identified fits in this installation: residual {rms} RMS, {expected} expected (p = {}).",
-                significant(p, 2)
+                "The arm as identified fits in this installation: residual {rms} RMS, {expected} expected ({}).",
+                p_text(p)
             )?,
             (Some(false), Some(p)) => {
                 writeln!(
                     f,
-                    "The arm as identified does not fit in this installation: residual {rms} RMS, {expected} expected (p = {}).",
-                    significant(p, 2)
+                    "The arm as identified does not fit in this installation: residual {rms} RMS, {expected} expected ({}).",
+                    p_text(p)
                 )?;
                 if let (Some(worst), Some(sd)) = (&self.worst, self.arm.worst_in_sd) {
                     writeln!(
