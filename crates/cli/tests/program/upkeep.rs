@@ -47,7 +47,7 @@ fn looks_at_a_robot_share_one_error_rate_and_a_change_has_its_exit_code() {
             "3 looks since the calibration; 1 found a change, for the first time look 3 (other.csv"
         )
     );
-    assert!(page.contains("<td>today.csv</td>") && page.contains("The robot has changed: p = "), "{page}");
+    assert!(page.contains("<td>today.csv</td>") && page.contains("The robot has changed: p"), "{page}");
     // A page without the history would be one of a single look.
     let alone = ["monitor", "--fit", "fit.json", "--data", "today.csv", "--page", "looks.html"];
     folder.run(&alone).ended(2);
