@@ -8,7 +8,7 @@
 //! | --- | --- | --- |
 //! | v | residuals of the rows that the fit holds of its data, whitened by its noise; of each row what the unknowns took given back | 1 |
 //! | s | their median of magnitudes over that of a standard normal number | 1 |
-//! | f = Σ 2 n_v / Σ (z_v − n_v)² | z_v sum of n_v squares of ψ/b in a pose measurement; at most 1 | degrees of freedom of the law over numbers |
+//! | f = Σ 2 n_v / Σ (z_v − n_v)² | z_v sum of n_v squares of ψ/b at a configuration; at most 1 | degrees of freedom of the law over numbers |
 //!
 //! A variance that a few numbers make is not that of the next ones: of Student's t with 2.5 degrees of freedom an unchanged robot was called
 //! changed seven times as often as stated. Of noise without tails nothing is changed. Source: Huber, *Robust Statistics* (1981), ch. 7.
@@ -16,7 +16,7 @@
 use crate::UpkeepError;
 use crate::prediction::Prediction;
 use std::collections::BTreeMap;
-use truepose_errormodel::FittedModel;
+use truepose_errormodel::{Dataset, FittedModel, configurations};
 
 /// Edge of the bulk, in robust standard deviations. Convention.
 const EDGE: f64 = 3.0;
@@ -52,7 +52,10 @@ impl Tails {
         if rows.is_empty() {
             return Ok(None);
         }
-        let seen = Prediction::of(fitted, &[], rows)?;
+        // Each row by itself: a fit file does not state which of them were taken together, their joint values do.
+        let single = Dataset { visit: (0..rows.len()).collect(), ..rows.clone() };
+        let configuration = configurations(&single);
+        let seen = Prediction::of(fitted, &[], &single)?;
         let v = &seen.residual;
         let n = v.len() as f64;
         let mean = |power: i32| v.iter().map(|v| v.powi(power)).sum::<f64>() / n;
@@ -72,7 +75,7 @@ impl Tails {
         let slope = v.iter().filter(|v| v.abs() < edge).count() as f64 / n;
         let mut sums = BTreeMap::<usize, (f64, f64)>::new();
         for (number, &v) in seen.numbers.iter().zip(v.iter()) {
-            let sum = sums.entry(rows.visit[number.row]).or_default();
+            let sum = sums.entry(configuration[number.row]).or_default();
             *sum = (sum.0 + bounded(v).powi(2) / (size * size * left), sum.1 + 1.0);
         }
         let scatter: f64 = sums.values().map(|(sum, count)| (sum - count).powi(2)).sum();
