@@ -10,8 +10,8 @@
 //! | s | their median of magnitudes over that of a standard normal number | 1 |
 //! | f = Σ 2 n_v / Σ (z_v − n_v)² | z_v sum of n_v squares of ψ/b at a configuration; at most 1 | degrees of freedom of the law over numbers |
 //!
-//! A variance that a few numbers make is not that of the next ones: of Student's t with 2.5 degrees of freedom an unchanged robot was called
-//! changed seven times as often as stated. Of noise without tails nothing is changed. Source: Huber, *Robust Statistics* (1981), ch. 7.
+//! A variance that a few numbers make is not that of the next ones: an unchanged robot whose noise has
+//! tails was called changed too often. Of noise without tails nothing is changed. Source: Huber, *Robust Statistics* (1981), ch. 7.
 
 use crate::UpkeepError;
 use crate::prediction::Prediction;
@@ -46,7 +46,7 @@ impl Tails {
 }
 
 impl Tails {
-    /// Of the rows that a fit holds of its data; `None` where their residuals have no tails, or are too few.
+    /// Of the rows that a fit holds of its data, in the installation of that data; `None` where their residuals have no tails, or are too few.
     pub fn of(fitted: &FittedModel) -> Result<Option<Self>, UpkeepError> {
         let rows = fitted.domain.sample.rows();
         if rows.is_empty() {
@@ -70,6 +70,9 @@ impl Tails {
         let mut sizes: Vec<f64> = v.iter().map(|v| v.abs()).collect();
         sizes.sort_by(f64::total_cmp);
         let edge = EDGE * sizes[sizes.len() / 2] / 0.674_49;
+        if edge <= 0.0 {
+            return Ok(None);
+        }
         let bounded = |v: f64| v.clamp(-edge, edge);
         let size = (v.iter().map(|&v| bounded(v).powi(2)).sum::<f64>() / n / left).sqrt();
         let slope = v.iter().filter(|v| v.abs() < edge).count() as f64 / n;

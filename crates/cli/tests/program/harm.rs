@@ -324,7 +324,7 @@ fn two_axes_that_meet_are_no_mistake_of_a_unit() {
     }
 }
 
-/// A target of unknown place in two rows alone: what the others say of these rows is nothing.
+/// A target of unknown place in two rows alone: no other row determines it.
 #[test]
 fn rows_that_alone_determine_a_point_are_not_suspected() {
     let folder = Folder::empty();

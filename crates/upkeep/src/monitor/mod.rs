@@ -184,12 +184,13 @@ fn look(fitted: &FittedModel, data: &Dataset, options: MonitorOptions) -> Result
     }
     let placement = place_fitted(fitted, &options.installation.unknown(fitted.chain())?, data)?;
     let sites = options.installation.sites(&placement, &seen(data), oriented(fitted, data))?;
+    // Its rows were measured in the installation of the fit.
+    let tails = Tails::of(fitted)?;
     let fitted = fitted.on(placement.chain)?;
     let mut rows = Prediction::of(&fitted, &sites, data)?;
     if rows.len() <= sites.len() {
         return Err(UpkeepError::TooFew { have: rows.len(), need: sites.len() + 1 });
     }
-    let tails = Tails::of(&fitted)?;
     let expected = rows.expected(&fitted, fitted.covariance());
     tails.iter().for_each(|tails| tails.bound(&mut rows));
     let test = ScoreTest::of(&fitted, &rows, tails)?;
