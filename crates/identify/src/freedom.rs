@@ -19,6 +19,7 @@
 //! Both projections are the whitening itself, in the limit: by a visit that shares infinitely much only deviations from its mean are left.
 
 use crate::linearise::{factorise, gram};
+use crate::noise::{rays_of, spanned};
 use crate::{IdentifyError, NoiseModel, Prior};
 use nalgebra::DMatrix;
 use truepose_errormodel::{Dataset, ErrorModel, Visits};
@@ -30,9 +31,9 @@ const INFINITE: f64 = 1e6;
 /// Numbers that are free to scatter.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Freedom {
-    /// Positions about the mean of their visit.
+    /// Positions about the mean of their visit; numbers along directions about a displacement of it in space.
     pub within: f64,
-    /// Those means; of a visit with one row its position.
+    /// Those means and displacements; of a visit with one row its position.
     pub between: f64,
     /// Orientations.
     pub turns: f64,
@@ -44,9 +45,15 @@ impl Freedom {
         let mut all = Freedom::default();
         for rows in &visits.rows {
             for axis in 0..3 {
-                let seen = rows.iter().filter(|&&row| data.seen(row).position[axis]).count();
-                all.between += f64::from(u8::from(seen > 0));
-                all.within += seen.saturating_sub(1) as f64;
+                let seen: Vec<usize> =
+                    rows.iter().copied().filter(|&row| data.seen(row).position[axis]).collect();
+                let rays = rays_of(data, axis, seen.iter().copied());
+                let shared = match rays.is_empty() {
+                    true => seen.len().min(1),
+                    false => spanned(&rays.iter().map(|w| w * w.transpose()).sum()).len(),
+                };
+                all.between += shared as f64;
+                all.within += (seen.len() - shared) as f64;
             }
             all.turns += 3.0 * rows.iter().filter(|&&row| data.orientation[row].is_some()).count() as f64;
         }

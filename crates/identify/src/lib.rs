@@ -54,9 +54,9 @@ pub use identification::{
 };
 pub use landmarks::{
     Contact, ContactRows, Freed, LandmarkFold, SensorFound, Suspect, Touched, allowed_for,
-    landmark_cross_validation, landmark_groups, leverages, suspects, touched, unmeasured,
+    landmark_cross_validation, landmark_groups, leverages, open_variances, suspects, touched, unmeasured,
 };
-pub use noise::shrinkage;
+pub use noise::{beside_others, directions, rays_of, shrinkage};
 pub use observability::{Observability, observability};
 pub use observer::{Answer, proceed};
 pub use placement::{Placement, Undetermined, place, place_fitted};

@@ -3,14 +3,15 @@
 //! | symbol | here | unit |
 //! | --- | --- | --- |
 //! | σ² = s² + τ², d = 1/σ, u = r/σ | of the rows of one visit, an axis at a time | |
+//! | v | d; of numbers along directions the v_k of noise.rs, s that of the first of a visit | |
 //! | f_w, f_b, f_o | [`Freedom`]: what the fit left within visits, between them, and of orientations | 1 |
 //! | τ | within a visit, on top of what the instrument states | m |
 //! | ρ | shared by a visit | m |
 //! | ω | of orientations, on top of what the instrument states | rad |
 //!
 //! ```text
-//! within     Σ |u|² − (d·u)²/|d|²             = f_w    → τ
-//! between    Σ (d·u)²/|d|² / (1 + ρ²|d|²)      = f_b    → ρ, τ known
+//! within     Σ |u|² − Σ (v·u)²/|v|²            = f_w    → τ
+//! between    Σ (v·u)²/|v|² / (1 + ρ²|v|²)      = f_b    → ρ, τ known
 //! turns      Σ r² / (s² + ω²)                  = f_o    → ω
 //! ```
 //!
@@ -19,8 +20,10 @@
 //! both together; so it is where fewer than six degrees of freedom are within visits. No τ is below what the digits of the file
 //! allow (resolution.rs).
 
+use crate::noise::{directions, rays_of};
 use crate::resolution::least_sd;
 use crate::{Freedom, NoiseModel, Residuals};
+use nalgebra::Vector3;
 use std::collections::HashMap;
 use truepose_errormodel::{Dataset, Visits};
 
@@ -69,28 +72,67 @@ fn stated(sd: f64) -> f64 {
 #[derive(Default)]
 struct Axes {
     values: Vec<(f64, f64)>,
-    /// Where the rows of a visit and axis end.
+    /// Where the rows of a visit and axis end: behind the last are those of `turned`.
     ends: Vec<usize>,
+    /// Of visits with numbers along directions, which have no place among those.
+    turned: Vec<Turned>,
+}
+
+/// Numbers of a visit along directions, for s² + τ² = 1.
+struct Turned {
+    /// Stated standard deviation.
+    stated: f64,
+    /// |u|² − Σ (v·u)²/|v|².
+    within: f64,
+    /// v·u and |v|² of each direction.
+    between: Vec<(f64, f64)>,
 }
 
 impl Axes {
     fn of(data: &Dataset, visits: &Visits, residuals: &Residuals) -> Self {
-        let mut axes = Axes::default();
+        let (mut axes, mut apart) = (Axes::default(), Vec::new());
         for (rows, axis) in visits.rows.iter().flat_map(|rows| (0..3).map(move |axis| (rows, axis))) {
+            let first = axes.values.len();
+            let number =
+                |row: usize| data.number(row, &residuals.position[row], axis).filter(|r| r.is_finite());
             for &row in rows {
-                let number = data.number(row, &residuals.position[row], axis).filter(|r| r.is_finite());
-                axes.values.extend(number.map(|r| (r, stated(data.position_sd[row][axis]))));
+                axes.values.extend(number(row).map(|r| (r, stated(data.position_sd[row][axis]))));
+            }
+            let own = &axes.values[first..];
+            let rays = rays_of(data, axis, rows.iter().copied().filter(|&row| number(row).is_some()));
+            if own.len() > 1 && !rays.is_empty() {
+                axes.turned.push(Turned::of(own, &rays));
+                apart.extend(axes.values.drain(first..));
+                continue;
             }
             if axes.ends.last().copied().unwrap_or(0) < axes.values.len() {
                 axes.ends.push(axes.values.len());
             }
         }
+        axes.values.append(&mut apart);
         axes
     }
 
     fn each(&self) -> impl Iterator<Item = &[(f64, f64)]> {
         let mut begin = 0;
         self.ends.iter().map(move |&end| &self.values[std::mem::replace(&mut begin, end)..end])
+    }
+}
+
+impl Turned {
+    fn of(own: &[(f64, f64)], rays: &[Vector3<f64>]) -> Self {
+        let directions = directions(&vec![1.0; own.len()], rays);
+        let between: Vec<(f64, f64)> = directions
+            .iter()
+            .map(|v| {
+                v.iter()
+                    .zip(own)
+                    .fold((0.0, 0.0), |(along, squares), (v, (r, _))| (along + v * r, squares + v * v))
+            })
+            .collect();
+        let taken: f64 = between.iter().map(|(along, squares)| along * along / squares).sum();
+        let all: f64 = own.iter().map(|(r, _)| r * r).sum();
+        Turned { stated: own[0].1, within: (all - taken).max(0.0), between }
     }
 }
 
@@ -139,7 +181,8 @@ fn within(axes: &Axes, freedom: f64) -> f64 {
             members.iter().fold((0.0, 0.0), |(sum, squares), (r, _)| (sum + r, squares + r * r));
         (squares - sum * sum / members.len() as f64).max(0.0)
     };
-    let alike = pooled(alike.into_iter().map(|members| (spread(members), members[0].1)));
+    let turned = axes.turned.iter().map(|turned| (turned.within, turned.stated));
+    let alike = pooled(alike.into_iter().map(|members| (spread(members), members[0].1)).chain(turned));
     bisect(largest(axes.values.iter(), freedom), |tau| {
         let of_alike = alike.iter().map(|(squares, s)| squares / (s * s + tau * tau).max(1e-24)).sum::<f64>();
         of_alike + mixed.iter().map(|members| parted(members, tau).0).sum::<f64>() - freedom
@@ -157,10 +200,18 @@ fn excess(values: &[(f64, f64)], freedom: f64) -> f64 {
 
 /// The ρ at which the whitened squares of the visits' means add up.
 fn shared(axes: &Axes, tau: f64, freedom: f64) -> f64 {
-    let means = pooled(axes.each().map(|members| {
+    let means = axes.each().map(|members| {
         let (_, mean, weight) = parted(members, tau);
         (mean, weight)
-    }));
+    });
+    let turned = axes.turned.iter().flat_map(|turned| {
+        let precision = 1.0 / (turned.stated.powi(2) + tau * tau).max(1e-24);
+        turned
+            .between
+            .iter()
+            .map(move |(along, squares)| (along * along / squares * precision, squares * precision))
+    });
+    let means = pooled(means.chain(turned));
     let sum =
         |rho: f64| -> f64 { means.iter().map(|(mean, weight)| mean / (1.0 + rho * rho * weight)).sum() };
     // A mean is no larger than what it is the mean of, and is weighed by no more than 1/ρ².
@@ -186,7 +237,6 @@ fn bisect(upper: f64, excess: impl Fn(f64) -> f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use nalgebra::Vector3;
 
     #[test]
     fn finds_what_was_put_in() {

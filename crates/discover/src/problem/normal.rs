@@ -115,6 +115,11 @@ impl Normal {
         data: &Dataset,
         (base, y): (&DMatrix<f64>, &DVector<f64>),
     ) -> Option<Self> {
+        // What numbers along directions share is no mean of them.
+        let of_pose = |pose: &[Observation]| pose.len() > 1 && data.ray(pose[0].row).is_some();
+        if data.rays().is_some() && observations.chunk_by(|a, b| a.visit == b.visit).any(of_pose) {
+            return None;
+        }
         let stated = |at: usize| {
             let o = observations[at];
             match o.component < 3 {

@@ -11,7 +11,7 @@ use crate::policy::Policy;
 use crate::problem::linearisation::Linearisation;
 use crate::problem::outside::{Judged, judged, units};
 use crate::problem::shared::{Shared, level_of, stretch_of};
-use crate::problem::whitening::Whitener;
+use crate::problem::whitening::{Mean, Whitener};
 use std::collections::BTreeMap;
 use truepose_errormodel::{Dataset, Visits};
 use truepose_identify::NoiseModel;
@@ -55,13 +55,13 @@ pub(crate) fn outliers(linearisation: &Linearisation<'_>, residual: &[f64], nois
         .suspects;
         let good =
             |row: usize| apart.binary_search(&row).is_err() || found.suspects.binary_search(&row).is_err();
-        for (members, weights, _) in whitener.means() {
-            let o = linearisation.observations[members[0]];
+        for mean in whitener.means() {
+            let o = linearisation.observations[mean.members[0]];
             let (mut squares, mut along) = (0.0, 0.0);
-            for (&at, d) in members.iter().zip(weights) {
+            for ((&at, d), v) in mean.members.iter().zip(mean.weights).zip(mean.along) {
                 if good(linearisation.observations[at].row) {
-                    squares += d * d;
-                    along += d * d * residual[at];
+                    squares += v * v;
+                    along += v * d * residual[at];
                 }
             }
             if o.component < 3 && squares > 0.0 {
@@ -169,7 +169,8 @@ fn one_by_one(
 /// Sum of squares, and how many numbers, of each row's position against the mean of the other rows of its pose, wherever the pose is.
 fn apart(linearisation: &Linearisation<'_>, whitener: &Whitener, residual: &[f64]) -> Vec<(f64, usize)> {
     let mut sums = vec![(0.0, 0); linearisation.data.len()];
-    for (members, weights, _) in whitener.means() {
+    for mean in whitener.means().filter(|mean| mean.on_axis) {
+        let Mean { members, weights, .. } = mean;
         let squares: f64 = weights.iter().map(|d| d * d).sum();
         let along: f64 = members.iter().zip(weights).map(|(&at, d)| d * d * residual[at]).sum();
         for (&at, d) in members.iter().zip(weights) {

@@ -16,7 +16,7 @@
 //! (Patterson and Thompson 1971), the model's unknowns integrated out over their prior.
 
 use crate::problem::linearisation::Linearisation;
-use crate::problem::whitening::Whitener;
+use crate::problem::whitening::{self, Whitener};
 use crate::statistics::product::{cholesky, gram_matrix};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -69,7 +69,9 @@ impl Sequence {
             data.time.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], &t| [a.min(t), b.max(t)]);
         let timed = data.has_clock() && spread[1] > spread[0];
         let mut axes: [Vec<Mean>; 3] = Default::default();
-        for (members, weights, variance) in whitener.means() {
+        // A displacement along directions that turn with the robot is no series in time.
+        for mean in whitener.means().filter(|mean| mean.on_axis) {
+            let whitening::Mean { members, weights, variance, .. } = mean;
             let first = linearisation.observations[members[0]];
             if first.component < 3 {
                 let length = weights.iter().map(|d| d * d).sum::<f64>().sqrt();

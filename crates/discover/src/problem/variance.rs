@@ -82,7 +82,10 @@ impl Parts {
             });
             if several {
                 let shared = DMatrix::from_fn(problem.len(), 3, |at, k| {
-                    f64::from(u8::from(observations[at].component == k))
+                    match problem.data.ray(observations[at].row) {
+                        Some(w) if observations[at].component == 0 => w[k],
+                        _ => f64::from(u8::from(observations[at].component == k)),
+                    }
                 });
                 each.push((Component::Poses, Part::Shared(shared)));
             }

@@ -1,7 +1,8 @@
 //! Whitening of any columns under a noise model: rows of one visit and component go together.
 //!
 //! With σ_i² = s_i² + τ² and d = 1/σ: `z = u − (1 − 1/√(1 + ρ²|d|²)) d (d·u)/|d|²`, u = r/σ, as in
-//! [`truepose_identify::NoiseModel`]. The log determinant of the covariance is `Σ ln σ_i² + ln(1 + ρ²|d|²)`.
+//! [`truepose_identify::NoiseModel`]. The log determinant of the covariance is `Σ ln σ_i² + ln(1 + ρ²|d|²)`. Numbers along directions share a
+//! displacement in space: the same along each of the v_k of [`truepose_identify::directions`].
 //!
 //! Where the joints scatter, all observations of a pose go together. With B = W₀ G_v Σ_q^{1/2} = U Λ^{1/2} Vᵀ, W₀ the whitening above and G_v
 //! the levers of the joints ([`crate::problem::noise`]),
@@ -12,10 +13,10 @@
 
 use crate::problem::noise::{JointNoise, Levers};
 use crate::problem::observation::Observation;
-use nalgebra::{DMatrix, SymmetricEigen};
+use nalgebra::{DMatrix, SymmetricEigen, Vector3};
 use std::ops::Range;
 use truepose_errormodel::Dataset;
-use truepose_identify::{NoiseModel, shrinkage};
+use truepose_identify::{NoiseModel, beside_others, directions, rays_of, shrinkage};
 
 /// The numbers of one visit and component.
 #[derive(Debug, Clone)]
@@ -23,9 +24,37 @@ struct Group {
     members: Vec<usize>,
     /// d = 1/σ.
     weights: Vec<f64>,
-    /// (1 − 1/√(1 + ρ²|d|²)) / |d|².
-    shrink: f64,
+    /// What they share, direction by direction.
+    shared: Vec<Along>,
+    /// w of numbers along directions of their own; else empty.
+    rays: Vec<Vector3<f64>>,
+    /// ρ².
+    variance: f64,
     log_determinant: f64,
+}
+
+/// A direction in which the whitened numbers of a group share what displaces the robot.
+#[derive(Debug, Clone)]
+struct Along {
+    /// v: d of numbers along an axis ([`truepose_identify::directions`]).
+    v: Vec<f64>,
+    /// |v|².
+    squares: f64,
+    /// (1 − 1/√(1 + ρ²|v|²)) / |v|².
+    shrink: f64,
+}
+
+/// What the numbers of a visit and component have in common along a direction: the estimate Σ v_i d_i r_i / Σ v_i², of variance ρ² + 1/Σ v_i².
+pub(crate) struct Mean<'a> {
+    pub members: &'a [usize],
+    /// d of each.
+    pub weights: &'a [f64],
+    /// v of each: d along an axis.
+    pub along: &'a [f64],
+    /// m² (rad²).
+    pub variance: f64,
+    /// Whether the numbers are along an axis of the measurement frame, so that they are one mean.
+    pub on_axis: bool,
 }
 
 /// What the joints' scatter adds to one pose.
@@ -65,12 +94,23 @@ impl Whitener {
                 })
                 .collect();
             let shared = if observations[members[0]].component < 3 { noise.visit_sd } else { 0.0 };
-            let squares: f64 = weights.iter().map(|d| d * d).sum();
-            let stretch = 1.0 + shared * shared * squares;
+            let rays = rays_of(
+                data,
+                observations[members[0]].component,
+                members.iter().map(|&at| observations[at].row),
+            );
+            let along = directions(&weights, &rays).into_iter().map(|v| {
+                let squares = v.iter().map(|v| v * v).sum();
+                Along { squares, shrink: shrinkage(shared, squares), v }
+            });
+            let along: Vec<Along> = along.collect();
+            let stretch = along.iter().map(|along| (1.0 + shared * shared * along.squares).ln()).sum::<f64>();
             groups.push(Group {
                 members: members.to_vec(),
-                shrink: shrinkage(shared, squares),
-                log_determinant: stretch.ln() - 2.0 * weights.iter().map(|d| d.ln()).sum::<f64>(),
+                shared: along,
+                rays,
+                variance: shared * shared,
+                log_determinant: stretch - 2.0 * weights.iter().map(|d| d.ln()).sum::<f64>(),
                 weights,
             });
         }
@@ -94,14 +134,20 @@ impl Whitener {
         self
     }
 
-    /// The weighted mean of each pose and component of position or orientation: its observations, their weights d, and its variance
-    /// ρ² + 1/|d|², m² (rad²).
-    pub fn means(&self) -> impl Iterator<Item = (&[usize], &[f64], f64)> {
-        self.groups.iter().map(|group| {
-            let squares: f64 = group.weights.iter().map(|d| d * d).sum();
-            // 1 + ρ²|d|² = 1/(1 − shrink |d|²)².
-            let kept = 1.0 - group.shrink * squares;
-            (group.members.as_slice(), group.weights.as_slice(), 1.0 / (squares * kept * kept))
+    /// The weighted mean of each pose and component of position or orientation; of numbers along directions, one a direction that they share.
+    pub fn means(&self) -> impl Iterator<Item = Mean<'_>> {
+        self.groups.iter().flat_map(|group| {
+            group.shared.iter().map(|along| {
+                // 1 + ρ²|v|² = 1/(1 − shrink |v|²)².
+                let kept = 1.0 - along.shrink * along.squares;
+                Mean {
+                    members: &group.members,
+                    weights: &group.weights,
+                    along: &along.v,
+                    variance: 1.0 / (along.squares * kept * kept),
+                    on_axis: group.rays.len() < 2,
+                }
+            })
         })
     }
 
@@ -110,17 +156,10 @@ impl Whitener {
         let rows = columns.nrows();
         for column in columns.as_mut_slice().chunks_exact_mut(rows.max(1)) {
             for group in &self.groups {
-                let mut along = 0.0;
                 for (&at, &d) in group.members.iter().zip(&group.weights) {
                     column[at] *= d;
-                    along += d * column[at];
                 }
-                if group.shrink > 0.0 {
-                    let along = along * group.shrink;
-                    for (&at, &d) in group.members.iter().zip(&group.weights) {
-                        column[at] -= d * along;
-                    }
-                }
+                group.take_out(column);
             }
         }
         self.apply_postures(columns);
@@ -136,10 +175,9 @@ impl Whitener {
         let rows = columns.nrows();
         for column in columns.as_mut_slice().chunks_exact_mut(rows.max(1)) {
             for group in &self.groups {
-                let along: f64 =
-                    group.members.iter().zip(&group.weights).map(|(&at, &d)| d * column[at]).sum();
+                group.take_out(column);
                 for (&at, &d) in group.members.iter().zip(&group.weights) {
-                    column[at] = d * (column[at] - d * along * group.shrink);
+                    column[at] *= d;
                 }
             }
         }
@@ -161,11 +199,12 @@ impl Whitener {
     pub fn precisions(&self, observations: usize) -> Vec<f64> {
         let mut diagonal = vec![0.0; observations];
         for group in &self.groups {
-            let squares: f64 = group.weights.iter().map(|d| d * d).sum();
-            let keep = (1.0 - group.shrink * squares).powi(2);
-            let factor = (1.0 - keep) / squares;
-            for (&at, &d) in group.members.iter().zip(&group.weights) {
-                diagonal[at] = d * d * (1.0 - factor * d * d);
+            for (k, (&at, &d)) in group.members.iter().zip(&group.weights).enumerate() {
+                let taken = group.shared.iter().map(|along| {
+                    let keep = (1.0 - along.shrink * along.squares).powi(2);
+                    (1.0 - keep) / along.squares * along.v[k] * along.v[k]
+                });
+                diagonal[at] = d * d * (1.0 - taken.sum::<f64>());
             }
         }
         if self.postures.is_empty() {
@@ -209,10 +248,14 @@ impl Whitener {
     pub fn deleted(&self, residual: &[f64], out: &dyn Fn(usize) -> bool) -> Vec<f64> {
         let mut standardised = vec![0.0; residual.len()];
         for group in &self.groups {
-            let squares: f64 = group.weights.iter().map(|d| d * d).sum();
-            // 1/(1 + ρ²|d|²) = (1 − shrink |d|²)².
-            let kept = (1.0 - group.shrink * squares).powi(2);
-            let shared = (1.0 / kept - 1.0) / squares;
+            if group.rays.len() > 1 {
+                let each = group.members.iter().zip(&group.weights).zip(&group.rays);
+                let numbers: Vec<_> = each.map(|((&at, d), w)| (residual[at], d * d, *w, !out(at))).collect();
+                let beside = beside_others(&numbers, group.variance.sqrt());
+                group.members.iter().zip(beside).for_each(|(&at, beside)| standardised[at] = beside);
+                continue;
+            }
+            let shared = group.variance * group.rays.first().map_or(1.0, Vector3::norm_squared);
             let each = || group.members.iter().zip(&group.weights).map(|(&at, &d)| (at, d * d));
             let said = each().filter(|(at, _)| !out(*at));
             let (weight, along) =
@@ -225,6 +268,17 @@ impl Whitener {
             }
         }
         standardised
+    }
+}
+
+impl Group {
+    /// Takes out of whitened numbers what they share.
+    fn take_out(&self, column: &mut [f64]) {
+        for Along { v, shrink, .. } in self.shared.iter().filter(|along| along.shrink > 0.0) {
+            let along: f64 = self.members.iter().zip(v).map(|(&at, v)| v * column[at]).sum();
+            let along = along * shrink;
+            self.members.iter().zip(v).for_each(|(&at, v)| column[at] -= v * along);
+        }
     }
 }
 

@@ -39,7 +39,7 @@ pub use freed::Freed;
 pub use held_out::{LandmarkFold, landmark_cross_validation};
 pub(crate) use planned::PlannedRows;
 pub use planned::unmeasured;
-pub use sensors::{SensorFound, leverages};
+pub use sensors::{SensorFound, leverages, open_variances};
 pub use suspects::{Suspect, allowed_for, suspects};
 
 use crate::{FitOptions, IdentifyError, PriorStrength};

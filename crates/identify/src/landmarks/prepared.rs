@@ -98,19 +98,22 @@ impl Prepared {
     }
 }
 
-/// Rows that measured a number, or a difference of two positions, are pose measurements of their own: what rows share along x they do not share
-/// along another direction, nor does a difference contain it.
+/// Of a standstill, rows with a position, rows that measured a number, and each row in which two tools met are pose measurements of their own: the
+/// rows with a number share the displacement of the robot along their directions, a difference of two positions does not contain it.
 fn apart(data: &mut Dataset, sensors: &Sensors) {
     let mut next = data.visit.iter().max().map_or(0, |last| last + 1);
-    let shared = Visits::of(data).rows.iter().map(Vec::len).collect::<Vec<usize>>();
-    let mut again = vec![false; shared.len()];
-    for row in 0..data.len() {
-        let visit = data.visit[row];
-        let own = sensors.of_row[row].is_some() || data.meets(row).is_some();
-        // The first row of a visit keeps its number, so that no number is left without a row.
-        if shared[visit] > 1 && std::mem::replace(&mut again[visit], true) && own {
-            data.visit[row] = next;
-            next += 1;
+    for rows in Visits::of(data).rows {
+        let mut of_kind = [None; 2];
+        for (place, row) in rows.into_iter().enumerate() {
+            let known = match data.meets(row) {
+                Some(_) => &mut None,
+                None => &mut of_kind[usize::from(sensors.of_row[row].is_some())],
+            };
+            data.visit[row] = *known.get_or_insert_with(|| {
+                // The first row of a visit keeps its number, so that no number is left without a row.
+                next += usize::from(place > 0);
+                if place > 0 { next - 1 } else { data.visit[row] }
+            });
         }
     }
 }

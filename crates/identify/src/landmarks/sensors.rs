@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! w = μ H,   P = p₀ + Hᵀ (z − h₀)/‖H‖²,   μ = σ₀/σ_k           (errormodel: [`Ray`])
-//! σ_k² = Σ r² / Σ (1 − λ_i),              λ_i = a_i C a_iᵀ/σ²   over the rows of kind k
+//! σ_k² = Σ (r² − (1 − λ_i) ρ²‖w‖²) / Σ (1 − λ_i),   λ_i = a_i C a_iᵀ/(σ² + ρ²‖w‖²)   over the rows of kind k
 //! ```
 //!
 //! | symbol | here | unit |
@@ -11,6 +11,7 @@
 //! | σ₀, σ_k | standard deviation of a number of the reference (rows with a position; else the kind with most rows), and of kind k | m, the kind's unit |
 //! | λ_i, a_i | leverage of a number, its row of the design matrix | 1 |
 //! | C | covariance of the coefficients | |
+//! | ρ | `visit_sd`: what the numbers of a standstill share | m |
 //!
 //! The second line is the equation of restricted maximum likelihood for variance components (Searle, Casella and McCulloch 1992, ch. 6), solved by
 //! repetition beside the linearisation. So a table that is not flat counts as little as it should.
@@ -48,6 +49,8 @@ const FIRST_PIXELS: f64 = 0.3;
 const MOST_CHANGE: f64 = 10.0;
 /// Of the numbers of a kind so many are left to scatter at the least, as in [`crate::Freedom`].
 const LEAST_LEFT: f64 = 0.02;
+/// Of the squares of a kind so much is its own at the least, however much of it the standstills share.
+const LEAST_OWN: f64 = 0.01;
 
 /// The sensors of a campaign.
 #[derive(Debug, Clone, Default)]
@@ -239,13 +242,15 @@ impl Sensors {
     pub fn weigh(&mut self, fit: &Fit, data: &Dataset) -> Result<f64, IdentifyError> {
         let strata = strata(fit, data, &self.of_row)?;
         let of = |rows: &dyn Fn(usize) -> bool| -> Option<(f64, f64)> {
-            let (mut squares, mut left, mut count) = (0.0, 0.0, 0.0);
+            let (mut squares, mut shared, mut left, mut count) = (0.0, 0.0, 0.0, 0.0);
             for number in strata.iter().filter(|number| rows(number.row)) {
                 squares += number.residual * number.residual;
+                shared += (1.0 - number.leverage) * number.shared;
                 left += 1.0 - number.leverage;
                 count += 1.0;
             }
-            (count > 0.0).then(|| (squares / left.max(LEAST_LEFT * count), count))
+            let own = (squares - shared).max(LEAST_OWN * squares);
+            (count > 0.0).then(|| (own / left.max(LEAST_LEFT * count), count))
         };
         let kinds: Vec<&'static str> = self.found.iter().map(|found| found.observation.kind()).collect();
         // In metres of the present weights.
@@ -301,10 +306,16 @@ fn which(data: &Dataset, landmark: &[Option<usize>], surroundings: &Surroundings
 /// A measured number after a fit.
 struct Number {
     row: usize,
+    /// 0 to 2; 0 along a direction.
+    component: usize,
     /// m.
     residual: f64,
+    /// Variance that the unknowns give it, m².
+    open: f64,
     /// Of the unknowns, so much of it.
     leverage: f64,
+    /// Variance that it shares with its standstill, m².
+    shared: f64,
 }
 
 /// Residual and leverage of every number of a position, or along a direction.
@@ -320,10 +331,12 @@ fn strata(fit: &Fit, data: &Dataset, of_row: &[Option<usize>]) -> Result<Vec<Num
                 continue;
             }
             let a = DVector::from_column_slice(&numbers[..width - 1]);
-            let variance =
-                fit.noise.position(data.position_sd[row][component]).powi(2) + fit.noise.visit_sd.powi(2);
-            let leverage = (a.dot(&(covariance * &a)) / variance).clamp(0.0, 1.0);
-            all.push(Number { row, residual: numbers[width - 1], leverage });
+            let shared =
+                fit.noise.visit_sd.powi(2) * data.ray(row).map_or(1.0, |direction| direction.norm_squared());
+            let variance = fit.noise.position(data.position_sd[row][component]).powi(2) + shared;
+            let open = a.dot(&(covariance * &a)).max(0.0);
+            let leverage = (open / variance).min(1.0);
+            all.push(Number { row, component, residual: numbers[width - 1], open, leverage, shared });
         }
     }
     Ok(all)
@@ -341,6 +354,26 @@ pub fn leverages(fit: &Fit, data: &Dataset) -> Result<Vec<f64>, IdentifyError> {
     }
     let all: f64 = of_row.iter().sum();
     of_row.iter_mut().for_each(|share| *share /= all.max(f64::MIN_POSITIVE));
+    Ok(of_row)
+}
+
+/// The variance that the unknowns of a fit, those of sensors and landmarks too, give the measured numbers of some rows, by axis, m²: of a number
+/// along a direction, its parts on the axes; zero where nothing was measured.
+///
+/// # Errors
+/// When the data does not fit the model.
+pub fn open_variances(fit: &Fit, data: &Dataset, rows: &[usize]) -> Result<Vec<[f64; 3]>, IdentifyError> {
+    let part = &data.derived_for(fit.fitted.model())?.select(rows);
+    let mut of_row = vec![[0.0; 3]; part.len()];
+    for number in strata(fit, part, &vec![None; part.len()])? {
+        match part.ray(number.row) {
+            Some(w) => {
+                let square = w.norm_squared();
+                (0..3).for_each(|k| of_row[number.row][k] += number.open * (w[k] / square).powi(2));
+            }
+            None => of_row[number.row][number.component] = number.open,
+        }
+    }
     Ok(of_row)
 }
 

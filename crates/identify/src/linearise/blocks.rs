@@ -6,7 +6,7 @@
 
 use super::lineariser::Lineariser;
 use crate::IdentifyError;
-use crate::noise::shrinkage;
+use crate::noise::{directions, rays_of, shrinkage};
 use rayon::prelude::*;
 use std::collections::HashMap;
 use truepose_errormodel::batch::{Component, Lanes};
@@ -167,7 +167,10 @@ impl<'a> Blocks<'a> {
         self.starts.clone_from(&batch.starts);
         for index in 0..6 {
             if index < 3 && self.noise.visit_sd > 0.0 {
-                self.share(index);
+                match index == 0 && self.data.rays().is_some() {
+                    true => self.share_along(&batch.rows),
+                    false => self.share(index),
+                }
             }
             let rows = self.pack(index);
             let component = self.lanes.component(index);
@@ -263,6 +266,37 @@ impl<'a> Blocks<'a> {
                 let seen = self.data.orientation[row].is_some();
                 let weight = 1.0 / self.noise.orientation(self.data.orientation_sd[row][k]);
                 self.weights[(3 + k) * LANES + lane] = if seen { weight } else { 0.0 };
+            }
+        }
+    }
+
+    /// The same where rows measured numbers along directions of their own.
+    fn share_along(&mut self, batch: &[usize]) {
+        let visits: Vec<(std::ops::Range<usize>, Vec<Vec<f64>>)> = (self.starts.windows(2))
+            .map(|ends| {
+                let lanes = ends[0]..ends[1];
+                let seen = lanes.clone().filter(|&lane| self.weights[lane] != 0.0);
+                let rays = rays_of(self.data, 0, seen.map(|lane| batch[lane]));
+                // What was not measured weighs nothing, whatever its direction.
+                let rays: Vec<_> = match rays.is_empty() {
+                    true => rays,
+                    false => {
+                        lanes.clone().map(|lane| self.data.ray(batch[lane]).unwrap_or_default()).collect()
+                    }
+                };
+                let along = directions(&self.weights[lanes.clone()], &rays);
+                (lanes, along)
+            })
+            .collect();
+        let (_, numbers) = self.lanes.component_mut(0);
+        for column in numbers.chunks_exact_mut(LANES) {
+            for (lanes, along) in &visits {
+                for v in along {
+                    let shrink = shrinkage(self.noise.visit_sd, v.iter().map(|v| v * v).sum());
+                    let u = &mut column[lanes.clone()];
+                    let dot: f64 = v.iter().zip(u.iter()).map(|(v, u)| v * u).sum();
+                    u.iter_mut().zip(v).for_each(|(u, v)| *u -= shrink * dot * v);
+                }
             }
         }
     }

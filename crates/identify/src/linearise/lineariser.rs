@@ -13,7 +13,7 @@
 //! decided which columns it keeps asks for those alone.
 
 use super::stations::Stations;
-use crate::noise::whiten;
+use crate::noise::{rays_of, whiten};
 use crate::{IdentifyError, NoiseModel};
 use nalgebra::Vector3;
 use truepose_errormodel::{BoundModel, Dataset, Emission, Equilibrium, ErrorJacobian, ErrorModel};
@@ -234,36 +234,20 @@ impl<'a> Lineariser<'a> {
 
     fn whiten_block(&mut self, rows: &[usize]) {
         let width = self.dot.len();
-        let mut members = [0usize; 64];
-        let mut sd = [0.0; 64];
-        let (mut many_members, mut many_sd) = (Vec::new(), Vec::new());
+        let (mut members, mut sd) = (Vec::with_capacity(rows.len()), Vec::with_capacity(rows.len()));
         for component in 0..6 {
-            let of_component = self.source.iter().enumerate().filter(|(_, s)| s.1 == component);
-            let deviation = |row: usize| {
-                if component < 3 {
-                    self.noise.position(self.data.position_sd[row][component])
-                } else {
-                    self.noise.orientation(self.data.orientation_sd[row][component - 3])
-                }
-            };
-            let shared = if component < 3 { self.noise.visit_sd } else { 0.0 };
-            // A visit rarely has more than a few dozen rows; beyond that the lists go to the heap.
-            if rows.len() <= members.len() {
-                let mut count = 0;
-                for (index, &(row, _)) in of_component {
-                    (members[count], sd[count]) = (index, deviation(row));
-                    count += 1;
-                }
-                whiten(&mut self.block, width, &members[..count], &sd[..count], shared, &mut self.dot);
-            } else {
-                many_members.clear();
-                many_sd.clear();
-                for (index, &(row, _)) in of_component {
-                    many_members.push(index);
-                    many_sd.push(deviation(row));
-                }
-                whiten(&mut self.block, width, &many_members, &many_sd, shared, &mut self.dot);
+            members.clear();
+            sd.clear();
+            for (index, &(row, _)) in self.source.iter().enumerate().filter(|(_, s)| s.1 == component) {
+                members.push(index);
+                sd.push(match component {
+                    0..3 => self.noise.position(self.data.position_sd[row][component]),
+                    _ => self.noise.orientation(self.data.orientation_sd[row][component - 3]),
+                });
             }
+            let shared = if component < 3 { self.noise.visit_sd } else { 0.0 };
+            let rays = rays_of(self.data, component, members.iter().map(|&index| self.source[index].0));
+            whiten((&mut self.block, width), &members, &sd, &rays, shared, &mut self.dot);
         }
     }
 }

@@ -1,7 +1,7 @@
 //! What a model leaves of the measurements, as one number.
 
 use super::sums::left_over;
-use crate::noise::whiten;
+use crate::noise::{rays_of, whiten};
 use crate::{IdentifyError, NoiseModel, Residuals};
 use truepose_errormodel::{Dataset, ErrorModel, Visits};
 
@@ -18,11 +18,12 @@ pub(crate) fn misfit(
 ) -> Result<(Residuals, f64), IdentifyError> {
     let residuals = left_over(model, data, coefficients, &vec![0.0; coefficients.len()])?;
     let mut squares = 0.0;
-    let (mut numbers, mut sd) = (Vec::new(), Vec::new());
+    let (mut numbers, mut sd, mut seen) = (Vec::new(), Vec::new(), Vec::new());
     for rows in &visits.rows {
         for component in 0..6 {
             numbers.clear();
             sd.clear();
+            seen.clear();
             for &row in rows {
                 let (value, deviation) = match (component, residuals.orientation[row]) {
                     (0..3, _) => match data.number(row, &residuals.position[row], component) {
@@ -40,10 +41,12 @@ pub(crate) fn misfit(
                 }
                 numbers.push(value);
                 sd.push(deviation);
+                seen.push(row);
             }
             let shared = if component < 3 { noise.visit_sd } else { 0.0 };
             let places: Vec<usize> = (0..numbers.len()).collect();
-            whiten(&mut numbers, 1, &places, &sd, shared, &mut [0.0]);
+            let rays = rays_of(data, component, seen.iter().copied());
+            whiten((&mut numbers, 1), &places, &sd, &rays, shared, &mut [0.0]);
             squares += numbers.iter().map(|v| v * v).sum::<f64>();
         }
     }

@@ -7,7 +7,6 @@ use std::fmt;
 use truepose_acceptance::{Budget, Contribution, Evaluation};
 use truepose_errormodel::{Dataset, configurations};
 use truepose_identify::{Identification, IdentifyError, Residuals};
-use truepose_kinematics::Conditions;
 
 /// One contribution.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -104,7 +103,6 @@ impl BudgetSummary {
     /// # Errors
     /// When the model cannot be evaluated on the data.
     pub fn of_identification(found: &Identification, data: &Dataset) -> Result<Self, IdentifyError> {
-        let fitted = &found.fit.fitted;
         let train = Residuals::default();
         let (errors, rows, held): (&Residuals, Vec<usize>, bool) =
             match (&found.test_set, &found.declared.held_out) {
@@ -147,16 +145,11 @@ impl BudgetSummary {
         };
         // Repeats contain the scatter of the instrument as well.
         let repeatability = each(&|k| if axes[k] { (repeats - stated[k]).max(0.0) } else { 0.0 });
-        let inputs = data.derived_for(fitted.model())?;
-        let mut predictor = fitted.bind(&inputs.schema)?;
-        let mut conditions = Conditions::default();
         let mut model = [0.0; 3];
         let step = rows.len().div_ceil(ROWS).max(1);
         let chosen: Vec<usize> = rows.iter().copied().step_by(step).collect();
-        for &row in &chosen {
-            inputs.conditions_into(row, &mut conditions);
-            let (_, spread) = predictor.with_covariance(&conditions, inputs.aim(row));
-            (0..3).filter(|&k| axes[k]).for_each(|k| model[k] += spread[(k, k)] / chosen.len() as f64);
+        for spread in truepose_identify::open_variances(&found.fit, data, &chosen)? {
+            (0..3).filter(|&k| axes[k]).for_each(|k| model[k] += spread[k] / chosen.len() as f64);
         }
         let square = each(&|k| mean(&mut errors.position.iter().map(|e| e[k].powi(2))));
         if !held {

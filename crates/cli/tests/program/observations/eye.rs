@@ -43,13 +43,19 @@ impl Eye {
     }
 
     fn images(&mut self, count: usize) -> String {
+        self.images_of(count, 0.0)
+    }
+
+    /// The same by an arm whose joints come to rest with this standard deviation, rad, once an image.
+    fn images_of(&mut self, count: usize, scatter: f64) -> String {
         let mut text = String::from(
             "kind,landmark,point,u[px],v[px],visit,j1[rad],j2[rad],j3[rad],j4[rad],j5[rad],j6[rad]\n",
         );
         let mut image = 0;
         while image < count {
             let q: [f64; 6] = std::array::from_fn(|_| 2.9 * self.draw.next());
-            let Some(pixels) = self.sees(&q) else { continue };
+            let rests = q.map(|q| q + scatter * if scatter > 0.0 { self.draw.noise() } else { 0.0 });
+            let Some(pixels) = self.sees(&rests) else { continue };
             let cells = q.map(|q| format!("{q:.9}")).join(",");
             for (k, [u, v]) in pixels.iter().enumerate() {
                 let [u, v] = [u + NOISE * self.draw.noise(), v + NOISE * self.draw.noise()];
@@ -108,6 +114,31 @@ fn a_camera_on_the_flange_and_the_base_are_found_from_a_board() {
         .run(&["discover", "--robot", "robot.toml", "--data", "few.csv", "--out", "d.json", "--report", "r"])
         .ended(0);
     assert!(!folder.read("d.json").contains("seen~"));
+}
+
+/// Of an arm that repeats no better than its images are read: 48 numbers of an image share one standstill.
+#[test]
+fn an_image_is_one_pose_measurement() {
+    let (arm, offsets) = Arm::real(13);
+    let mut eye = Eye { arm, offsets, draw: Draw::new(9) };
+    let folder = Folder::empty();
+    folder.write("robot.toml", &described());
+    folder.write("data.csv", &eye.images_of(40, 8e-5));
+    let words = ["discover", "--robot", "robot.toml", "--data", "data.csv", "--out", "d.json", "--json"];
+    let found: serde_json::Value = serde_json::from_str(&folder.run(&words).ended(0).out).unwrap();
+    assert_eq!((&found["rows"], &found["visits"]), (&1920.into(), &40.into()));
+    assert_eq!(found["effects"].as_array().unwrap().len(), 0, "{:#}", found["effects"]);
+    assert!(found["dependence"].is_null(), "{:#}", found["dependence"]);
+    assert_eq!(found["verdict"], "undecided", "{:#}", found["verdict"]);
+    let words = ["identify", "--robot", "robot.toml", "--data", "data.csv", "--json"];
+    let found: serde_json::Value = serde_json::from_str(&folder.run(&words).ended(0).out).unwrap();
+    let sd = kind(&found, "pixel")["sd"].as_f64().unwrap();
+    assert!((sd / NOISE).ln().abs() < 0.3, "{sd}");
+    assert!(found["noise"]["visit_sd_mm"].as_f64().unwrap() > 0.02, "{:#}", found["noise"]);
+    // What is open of a measured number is open along it, not of the place of a tool that the camera hides.
+    let budget = found["budget"]["contributions"].as_array().unwrap();
+    let model = budget.iter().find(|line| line["source"] == "model parameters").unwrap();
+    assert!(model["total_mm"].as_f64().unwrap() < 0.1, "{model:#}");
 }
 
 #[test]

@@ -2,8 +2,9 @@
 
 use super::order::Order;
 use crate::linearise::Lineariser;
+use crate::noise::{Beside, beside_others};
 use crate::{Fit, IdentifyError};
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, Vector3};
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 use truepose_errormodel::Dataset;
 
@@ -26,6 +27,15 @@ pub(super) struct Design {
     pub(super) row: Vec<usize>,
     visit: Vec<usize>,
     pub(super) component: Vec<usize>,
+    /// Each number beside the others of its standstill ([`beside_others`]).
+    others: Vec<f64>,
+}
+
+/// The numbers of each visit of the data.
+fn by_visit(row: &[usize], data: &Dataset) -> Vec<Vec<usize>> {
+    let mut visits = vec![Vec::new(); data.visit.iter().max().map_or(0, |last| last + 1)];
+    row.iter().enumerate().for_each(|(i, &row)| visits[data.visit[row]].push(i));
+    visits
 }
 
 /// A test: what it explains of its own numbers, and by what.
@@ -49,14 +59,17 @@ impl Design {
         let mut lineariser = Lineariser::new(fit.fitted.model(), data, fit.noise, fit.fitted.coefficients())?;
         let width = lineariser.width();
         let (mut x, mut residual, mut noise) = (Vec::new(), Vec::new(), Vec::new());
-        let (mut row, mut component) = (Vec::new(), Vec::new());
+        let (mut row, mut component, mut beside) = (Vec::new(), Vec::new(), Vec::new());
         for at in 0..data.len() {
             let block = lineariser.unweighted(&[at]);
             for (numbers, &(_, which)) in block.rows.chunks_exact(width).zip(block.source) {
                 if which > 2 {
                     continue;
                 }
-                let sd = fit.noise.position(data.position_sd[at][which]).hypot(fit.noise.visit_sd);
+                let own = fit.noise.position(data.position_sd[at][which]);
+                let w = data.ray(at).unwrap_or_else(|| Vector3::ith(which, 1.0));
+                let sd = own.hypot(fit.noise.visit_sd * w.norm());
+                beside.push((numbers[width - 1], own.powi(-2), w, true));
                 x.extend(numbers[..width - 1].iter().map(|v| v / sd));
                 residual.push(numbers[width - 1] / sd);
                 noise.push(sd);
@@ -69,7 +82,13 @@ impl Design {
         let leverage = (0..row.len()).map(|i| x.row(i).dot(&spread.row(i)).clamp(0.0, 1.0)).collect();
         let visit = row.iter().map(|&row| standstills.get(row).copied().unwrap_or(data.visit[row])).collect();
         let residual = DVector::from_vec(residual);
-        Ok(Design { covariance, x, residual, leverage, noise, row, visit, component })
+        let mut others = vec![0.0; row.len()];
+        for members in by_visit(&row, data) {
+            let numbers: Vec<Beside> = members.iter().map(|&i| beside[i]).collect();
+            let each = beside_others(&numbers, fit.noise.visit_sd);
+            members.iter().zip(each).for_each(|(&i, e)| others[i] = e);
+        }
+        Ok(Design { covariance, x, residual, leverage, noise, row, visit, component, others })
     }
 
     /// Takes a suspicion's columns into X, with coefficients of their own; whether that could be done.
@@ -137,7 +156,9 @@ impl Design {
             .collect();
         let squares: f64 =
             numbers.iter().map(|&i| self.residual[i].powi(2) / (1.0 - self.leverage[i]).max(1e-3)).sum();
-        if squares * left.freedom <= FAR * left.squares {
+        // Where the whole standstill is elsewhere, the row is not.
+        let beside: f64 = numbers.iter().map(|&i| self.others[i].powi(2)).sum();
+        if squares * left.freedom <= FAR * left.squares || beside <= FAR {
             return None;
         }
         let own = Own { design: self, x: self.x.select_rows(&numbers), numbers };

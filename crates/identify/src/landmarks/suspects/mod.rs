@@ -80,8 +80,10 @@ pub fn suspects(fit: &Fit, data: &Dataset, touched: &Touched) -> Result<Vec<Susp
         if p_value >= LEVEL {
             break;
         }
+        // A number of a row is in metres of the weighted rows there.
+        let by = if what == ROW { weight } else { 1.0 };
         let value = |(column, (value, sd)): (&Column, &(f64, f64))| {
-            (column.name.clone(), *value, *sd, column.unit.clone())
+            (column.name.clone(), value / by, sd / by, column.unit.clone())
         };
         let values = columns.iter().zip(&tested.values).map(value).collect();
         let instead = if what == ROW { touched_instead(fit, data, touched, from)? } else { None };
