@@ -52,8 +52,8 @@ impl Watch {
     }
 
     /// Records a finding.
-    pub fn found(&self, words: &str) {
-        self.status().found.push(words.to_owned());
+    pub fn found(&self, names: Vec<String>) {
+        self.status().found = names;
     }
 
     /// Sets how the findings so far are written if the run is ended now.
@@ -175,11 +175,15 @@ fn ended(watch: &Watch, why: &str, began: Instant, code: u8) -> u8 {
         terminal::print(&format!("{value:#}\n"));
     } else {
         let found = match status.found.as_slice() {
-            [] => "none".to_owned(),
-            found => format!("{} (not yet evaluated on held-out rows)", found.join(", ")),
+            // The result itself follows.
+            _ if !kept.text.is_empty() => String::new(),
+            [] => " Findings so far: none.".to_owned(),
+            found => {
+                format!(" Findings so far: {} (not yet evaluated on held-out rows).", found.join(", "))
+            }
         };
         terminal::print(&format!(
-            "INCOMPLETE: {why} after {seconds:.1} s, while {doing}. Findings so far: {found}.\n{}",
+            "INCOMPLETE: {why} after {seconds:.1} s, while {doing}.{found}\n{}",
             kept.text
         ));
     }

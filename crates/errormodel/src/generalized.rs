@@ -49,6 +49,12 @@ impl GeneralizedErrors {
         self.values.copy_from_slice(&other.values);
     }
 
+    /// The largest difference to another robot of the same kind, m or rad; infinite where it is no number.
+    pub(crate) fn furthest(&self, other: &GeneralizedErrors) -> f64 {
+        let apart = self.values.iter().zip(&other.values).map(|(a, b)| (a - b).abs());
+        apart.fold(0.0, |most, v| if v.is_nan() { f64::INFINITY } else { most.max(v) })
+    }
+
     /// Adds to the error at a site.
     #[inline]
     pub fn add(&mut self, site: Site, value: f64) {

@@ -87,14 +87,10 @@ pub fn run(args: &Discover, watch: &Watch) -> Result<(), Failure> {
                 let (out, origin) = (args.out.as_deref().map(Path::to_path_buf), origin.clone());
                 let result = folder.as_ref().map(Folder::result);
                 let with = (settings, data_check.clone());
+                watch.found(so_far.findings.iter().map(|finding| finding.candidate.words()).collect());
                 watch.keep(move |why| incomplete(*so_far, with, &origin, out, result, why));
             }
-            step => {
-                if let Progress::Found(words) = &step {
-                    watch.found(words);
-                }
-                bar.show(&progress_text(&step));
-            }
+            step => bar.show(&progress_text(&step)),
         })
         .map_err(|error| refused(args, error))
     };

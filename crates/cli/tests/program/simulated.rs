@@ -194,3 +194,47 @@ fn plates_that_are_known_altogether_calibrate_an_arm() {
     let sd = kind(&found, "plane")["sd"].as_f64().unwrap();
     assert!((sd / 0.02f64).ln().abs() < 0.4, "{sd} mm");
 }
+
+/// A servo arm whose joints yield by degrees under its own links.
+#[test]
+fn a_soft_arm_is_fitted_to_the_noise() {
+    const LINKS: [(&str, f64, f64, [f64; 3]); 4] = [
+        ("waist", 0.05, 0.15, [0.0, 0.0, 1.0]),
+        ("shoulder", 0.04, 0.12, [0.0, 1.0, 0.0]),
+        ("elbow", 0.13, 0.10, [0.0, 1.0, 0.0]),
+        ("wrist", 0.12, 0.08, [0.0, 1.0, 0.0]),
+    ];
+    let folder = Folder::empty();
+    let mut robot =
+        String::from("name = \"servo\"\ngravity = [0, 0, -9.81]\ntool = { xyz = [0.02, 0.01, 0.09] }\n");
+    let mut plant = String::from("robot = \"robot.toml\"\nseed = 3\n");
+    let mut model = String::from("[[effects]]\nfamily = \"geometric\"\n");
+    for (name, z, mass, axis) in LINKS {
+        write!(
+            robot,
+            "\n[[joints]]\nname = \"{name}\"\ntype = \"revolute\"\nlimits = [-110, 110]\norigin = {{ xyz = [0, 0, {z}], axis = {axis:?} }}\nmass = {mass}\ncom = [0, 0, 0.05]\n"
+        )
+        .unwrap();
+        write!(plant, "\n[[errors.joint_compliance]]\njoint = \"{name}\"\nstiffness = 6\n").unwrap();
+        write!(model, "\n[[effects]]\nfamily = \"joint_compliance\"\njoints = [\"{name}\"]\n").unwrap();
+    }
+    plant += "\n[errors.geometric]\nposition_mm = 0.3\nangle_mrad = 0.5\n\n[instrument]\nsd_um = 20\n\n[campaign]\npostures = \"random\"\nvisits = 60\npayloads_kg = [0, 0.2]\ncom_mm = [0, 0, 30]\n";
+    folder.write("robot.toml", &robot);
+    folder.write("plant.toml", &plant);
+    folder.write("model.toml", &model);
+    folder.run(&["simulate", "--plant", "plant.toml", "--out", "data.csv"]).ended(0);
+    let words =
+        ["identify", "--robot", "robot.toml", "--model", "model.toml", "--data", "data.csv", "--json"];
+    let found: serde_json::Value = serde_json::from_str(&folder.run(&words).ended(0).out).unwrap();
+    assert_eq!(found["converged"], true, "{:#}", found["warnings"]);
+    let sd = found["noise"]["position_sd_mm"].as_f64().unwrap();
+    assert!((sd / 0.020).ln().abs() < 0.3, "{sd}");
+    let groups = found["groups"].as_array().unwrap();
+    for name in ["shoulder", "elbow"] {
+        let of = |group: &&serde_json::Value| {
+            group["name"].as_str().unwrap().starts_with(&format!("compliance {name}"))
+        };
+        let group = groups.iter().find(of).unwrap();
+        assert!((group["value"].as_f64().unwrap() * 6.0 - 1.0).abs() < 0.01, "{group:#}");
+    }
+}

@@ -9,23 +9,21 @@
 //!
 //! The same mathematics as [`crate::Equilibrium`] and [`crate::ErrorJacobian`], which do one row after the other and against which a test holds
 //! this. Effects that speak of a block at once ([`crate::Effect::eval_lanes`]) are asked so; others row by row, at the frames and weights of
-//! the block. A model whose gravity turns with a base that yields is brought to rest row by row, and only the rest of the arithmetic is wide.
+//! the block. A model whose gravity turns with a base that yields, and a soft robot, are brought to rest row by row, and only the rest of the
+//! arithmetic is wide.
 //! What is zero in a whole block is known and left out: slides do not turn, a joint that stands at zero has no powers. Rows of one standstill
 //! are brought to rest once.
 
 use super::fill::Fill;
 use crate::dataset::Dataset;
 use crate::emission::Emission;
-use crate::equilibrium::Equilibrium;
+use crate::equilibrium::{Equilibrium, SOFT, STEPS};
 use crate::lanes::{LANES, LaneEmission, LaneErrors, LaneLoad, LanePosture, Standing, Store};
 use crate::model::{BoundModel, Pace};
 use nalgebra::Vector3;
 use std::cell::Cell;
 use truepose_kinematics::pulp::Arch;
 use truepose_kinematics::{Conditions, FrameId, GravityFrame, PostureBuffer, Site};
-
-/// How often the weights follow the deflections, as in [`crate::Equilibrium`].
-const STEPS: usize = 2;
 
 /// What one column says of one site in a block of rows: `factor` times a value a row, m or rad per unit of the coefficient.
 #[derive(Debug, Clone, Copy)]
@@ -57,6 +55,8 @@ pub struct Lanes<'m> {
     plain: LaneErrors,
     /// Of what does not settle.
     stiff: LaneErrors,
+    /// ε of the step before.
+    last: LaneErrors,
     /// ε of a change of the coefficients.
     pub(super) change: LaneErrors,
     /// For each effect: whether it speaks of blocks.
@@ -67,6 +67,7 @@ pub struct Lanes<'m> {
     /// Row by row, where gravity turns.
     rest: Equilibrium,
     settles: bool,
+    soft: bool,
     /// Whether some effect asked for frames or weights of the last block: it is likely to ask for those of the next one.
     asks: bool,
     pub(super) fill: Fill,
@@ -89,12 +90,14 @@ impl<'m> Lanes<'m> {
             errors: LaneErrors::new(chain),
             plain: LaneErrors::new(chain),
             stiff: LaneErrors::new(chain),
+            last: LaneErrors::new(chain),
             change: LaneErrors::new(chain),
             wide: Vec::new(),
             seat: PostureBuffer::new(chain),
             said: Emission::new(),
             rest: Equilibrium::new(model),
             settles: model.effects().iter().any(|effect| effect.load_dependent()),
+            soft: false,
             asks: true,
             fill: Fill::default(),
             bound,
@@ -106,6 +109,14 @@ impl<'m> Lanes<'m> {
     /// On these registers, instead of the widest that the processor has: the same numbers but for their last digits.
     pub fn on(mut self, arch: Arch) -> Self {
         (self.store.arch, self.errors.arch, self.change.arch) = (arch, arch, arch);
+        self
+    }
+
+    /// As one of a soft robot ([`Equilibrium::soft`]).
+    #[must_use]
+    pub fn soft(mut self, soft: bool) -> Self {
+        self.soft = soft && self.settles;
+        self.rest = self.rest.soft(self.soft);
         self
     }
 
@@ -185,7 +196,7 @@ impl<'m> Lanes<'m> {
     /// The standstills of the block, one a lane.
     fn come_to_rest(&mut self, data: &Dataset, coefficients: &[f64]) {
         let moves = coefficients.iter().any(|&c| c != 0.0);
-        if moves && self.turns_with_base() {
+        if moves && (self.turns_with_base() || self.soft) {
             self.row_by_row(data, coefficients);
             return;
         }
@@ -217,8 +228,15 @@ impl<'m> Lanes<'m> {
             self.walk(&gravity);
             self.emission.truncate(still);
             self.emit(data, |k, pace| pace == Pace::Settling && (acts[k] || step == STEPS));
+            if step == STEPS {
+                self.last.become_as(&self.errors);
+            }
             self.errors.become_as(&self.stiff);
             self.errors.add(&self.emission, still, coefficients);
+        }
+        if self.errors.furthest(&self.last, self.standing.rows.len()) > SOFT {
+            self.row_by_row(data, coefficients);
+            return;
         }
         self.store.walk(chain, &self.joints, &self.errors, self.standing.rows.len());
     }

@@ -72,6 +72,18 @@ impl LaneErrors {
         }
     }
 
+    /// The largest difference to another one with the same sites in so many lanes, m or rad.
+    pub fn furthest(&self, other: &Self, rows: usize) -> f64 {
+        let mut most = 0.0f64;
+        for site in (0..self.varies.len()).filter(|&site| self.varies[site] || other.varies[site]) {
+            let own = &self.lanes[site * LANES..][..rows];
+            let before = &other.lanes[site * LANES..][..rows];
+            let same = self.same[site] - other.same[site];
+            most = own.iter().zip(before).fold(most, |most, (a, b)| most.max((a - b + same).abs()));
+        }
+        most
+    }
+
     /// Gives every lane the errors of its standstill.
     pub fn spread(&mut self, standing: &Standing) {
         for (lanes, _) in self.lanes.chunks_exact_mut(LANES).zip(&self.varies).filter(|(_, varies)| **varies)

@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use std::collections::HashMap;
 use truepose_errormodel::batch::{Component, Lanes};
 use truepose_errormodel::lanes::LANES;
-use truepose_errormodel::{Dataset, ErrorModel, NoiseModel, Visits};
+use truepose_errormodel::{Dataset, Equilibrium, ErrorModel, NoiseModel, Visits};
 use truepose_kinematics::Load;
 
 /// A block that is begun with rows of another kind has at least so many.
@@ -32,6 +32,7 @@ pub struct Blocks<'a> {
     seen: [Vec<usize>; 6],
     /// How many make batches at once.
     threads: usize,
+    soft: bool,
 }
 
 /// Rows of whole visits, [`LANES`] at most.
@@ -125,7 +126,14 @@ impl<'a> Blocks<'a> {
             starts: Vec::new(),
             seen: Default::default(),
             threads: 1,
+            soft: Equilibrium::is_soft(model, data, coefficients)?,
         })
+    }
+
+    /// Some visits in batches; none where they have to be linearised row by row: a visit is longer than a block, or the robot is soft, so that slopes
+    /// are those of [`truepose_errormodel::Equilibrium::slope`].
+    pub(super) fn batches(&self, visits: &Visits, which: impl Iterator<Item = usize>) -> Option<Vec<Batch>> {
+        if self.soft { None } else { batches(self.data, visits, which) }
     }
 
     /// With so many threads where batches are made one after the other.

@@ -15,7 +15,7 @@
 use super::stations::Stations;
 use crate::noise::{rays_of, whiten};
 use crate::{IdentifyError, NoiseModel};
-use nalgebra::Vector3;
+use nalgebra::{DMatrix, Vector3};
 use truepose_errormodel::{BoundModel, Dataset, Emission, Equilibrium, ErrorJacobian, ErrorModel};
 use truepose_kinematics::{Conditions, rotation_log};
 
@@ -34,6 +34,8 @@ pub struct Lineariser<'a> {
     stations: Option<&'a Stations>,
     /// The row whose conditions the robot at rest has.
     settled: Option<usize>,
+    /// Of a soft robot there: what the weights make of each error.
+    slope: Option<DMatrix<f64>>,
     /// What these effects say at a robot that another model describes.
     beside: Emission,
     /// The place of each column of the model in a row; none: left out.
@@ -76,8 +78,9 @@ impl<'a> Lineariser<'a> {
             robot: None,
             stations: None,
             conditions: Conditions::default(),
-            rest: Equilibrium::new(model),
+            rest: Equilibrium::new(model).soft(Equilibrium::is_soft(model, data, coefficients)?),
             settled: None,
+            slope: None,
             beside: Emission::new(),
             places: (0..columns as u32).map(Some).collect(),
             sites: vec![[Vector3::zeros(); 2]; model.chain().site_count()],
@@ -104,7 +107,8 @@ impl<'a> Lineariser<'a> {
     /// When the data lacks a signal that the other model needs.
     pub fn beside(self, model: &'a ErrorModel, coefficients: &'a [f64]) -> Result<Self, IdentifyError> {
         let robot = Some((model.bind(&self.data.schema)?, coefficients));
-        Ok(Lineariser { robot, rest: Equilibrium::new(model), ..self })
+        let soft = Equilibrium::is_soft(model, self.data, coefficients)?;
+        Ok(Lineariser { robot, rest: Equilibrium::new(model).soft(soft), ..self })
     }
 
     /// Takes the columns where a robot came to rest before, row by row; residuals are zero.
@@ -193,6 +197,7 @@ impl<'a> Lineariser<'a> {
                 let at = chain.site_at(index);
                 *site = [jacobian.position(at), jacobian.rotation(at)];
             }
+            followed(&mut self.sites, self.slope.as_ref());
             add(&mut self.block, emission, &self.sites);
         }
         let difference = self.data.measured_position(row) - jacobian.point();
@@ -223,12 +228,14 @@ impl<'a> Lineariser<'a> {
             stations.rest(row).emit(&self.bound, &self.conditions, &mut self.beside);
             return;
         }
-        match &self.robot {
-            Some((robot, coefficients)) => {
-                self.rest.settle(robot, &self.conditions, coefficients);
-                self.rest.emit(&self.bound, &self.conditions, &mut self.beside);
-            }
-            None => self.rest.settle(&self.bound, &self.conditions, self.coefficients),
+        let (robot, coefficients) = match &self.robot {
+            Some((robot, coefficients)) => (robot, *coefficients),
+            None => (&self.bound, self.coefficients),
+        };
+        self.rest.settle(robot, &self.conditions, coefficients);
+        self.slope = self.rest.slope(robot, &self.conditions, coefficients);
+        if self.robot.is_some() {
+            self.rest.emit(&self.bound, &self.conditions, &mut self.beside);
         }
     }
 
@@ -249,6 +256,16 @@ impl<'a> Lineariser<'a> {
             let rays = rays_of(self.data, component, members.iter().map(|&index| self.source[index].0));
             whiten((&mut self.block, width), &members, &sd, &rays, shared, &mut self.dot);
         }
+    }
+}
+
+/// Columns of J_e, site by site, with the weights following each error: J_e (I − G)⁻¹ ([`Equilibrium::slope`]).
+fn followed(sites: &mut [[Vector3<f64>; 2]], slope: Option<&DMatrix<f64>>) {
+    let Some(slope) = slope else { return };
+    let before = sites[..slope.nrows()].to_vec();
+    for (site, column) in sites.iter_mut().zip(slope.column_iter()) {
+        let part = |k: usize| before.iter().zip(column.iter()).map(|(at, share)| at[k] * *share).sum();
+        *site = [part(0), part(1)];
     }
 }
 
@@ -277,10 +294,12 @@ pub(crate) fn stand(
         last = Some(row);
         let (real, errors) = (lineariser.rest.real(), lineariser.rest.errors());
         let jacobian = ErrorJacobian::new(chain, real, errors, data.aim(row));
+        let first = sites.len();
         sites.extend((0..site_count).map(|index| {
             let at = chain.site_at(index);
             [jacobian.position(at), jacobian.rotation(at)]
         }));
+        followed(&mut sites[first..], lineariser.slope.as_ref());
         places[row] = Some((rests.len() - 1, count));
     }
     Ok(Stations { rests, places, sites, site_count })

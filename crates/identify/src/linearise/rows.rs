@@ -1,6 +1,6 @@
 //! All whitened rows in one matrix, for what has to see rows.
 
-use super::blocks::{Blocks, batches};
+use super::blocks::Blocks;
 use super::lineariser::Lineariser;
 use crate::{IdentifyError, NoiseModel};
 use nalgebra::{DMatrix, DVector};
@@ -78,7 +78,8 @@ pub fn by_visits(
     columns: &[usize],
 ) -> Result<ByVisits, IdentifyError> {
     let height = columns.len() + 1;
-    let Some(batches) = batches(data, visits, 0..visits.len()) else {
+    let mut blocks = Blocks::new(model, data, noise, coefficients, Some(columns))?;
+    let Some(batches) = blocks.batches(visits, 0..visits.len()) else {
         let mut lineariser = Lineariser::new(model, data, noise, coefficients)?.of_columns(columns);
         let (mut flat, mut ranges) = (Vec::new(), Vec::new());
         for rows in &visits.rows {
@@ -91,7 +92,7 @@ pub fn by_visits(
             visits: ranges,
         });
     };
-    let wholes = Blocks::new(model, data, noise, coefficients, Some(columns))?.wholes(&batches)?;
+    let wholes = blocks.wholes(&batches)?;
     let mut counts = vec![0; visits.len()];
     wholes.iter().flat_map(|whole| &whole.groups).for_each(|&visit| counts[visit] += 1);
     let mut end = 0;

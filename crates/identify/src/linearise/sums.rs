@@ -8,7 +8,7 @@ use nalgebra::{DMatrix, Vector3};
 use rayon::prelude::*;
 use truepose_errormodel::batch::Lanes;
 use truepose_errormodel::lanes::LANES;
-use truepose_errormodel::{Dataset, ErrorModel, Visits};
+use truepose_errormodel::{Dataset, Equilibrium, ErrorModel, Visits};
 use truepose_solvers::accumulator::{Factor, LeftOut, Triangular};
 use truepose_solvers::{Gram, RankRule, Solution};
 
@@ -72,7 +72,7 @@ fn triangle(
     visits: &Visits,
     which: impl Iterator<Item = usize> + Clone,
 ) -> Result<Triangular, IdentifyError> {
-    let Some(batches) = batches(blocks.data, visits, which.clone()) else {
+    let Some(batches) = blocks.batches(visits, which.clone()) else {
         return accumulate(blocks.row_by_row()?, visits, which);
     };
     let mut triangle = Triangular::new(blocks.width(), 1);
@@ -94,7 +94,8 @@ pub fn dense(
     coefficients: &[f64],
     columns: Option<&[usize]>,
 ) -> Result<DMatrix<f64>, IdentifyError> {
-    let Some(batches) = batches(data, visits, 0..visits.len()) else {
+    let mut blocks = Blocks::new(model, data, noise, coefficients, columns)?;
+    let Some(batches) = blocks.batches(visits, 0..visits.len()) else {
         let rows = collect(model, data, visits, noise, coefficients)?;
         let a = columns.map_or_else(|| rows.a.clone(), |columns| rows.a.select_columns(columns));
         let width = a.ncols();
@@ -102,7 +103,6 @@ pub fn dense(
         dense.set_column(width, &rows.residual);
         return Ok(dense);
     };
-    let mut blocks = Blocks::new(model, data, noise, coefficients, columns)?;
     let wholes = blocks.wholes(&batches)?;
     let (rows, width) = (wholes.iter().map(|whole| whole.rows).sum(), blocks.width());
     let mut dense = DMatrix::zeros(rows, width + 1);
@@ -153,7 +153,7 @@ pub fn gram(
     let parts = by_blocks(visits, width, WORTH_TWO_SUMS, |range, _| {
         let mut blocks = Blocks::new(model, data, noise, coefficients, columns)?;
         let mut gram = Gram::new(blocks.width(), 1);
-        match batches(data, visits, range.clone()) {
+        match blocks.batches(visits, range.clone()) {
             Some(batches) => {
                 for batch in &batches {
                     blocks.each(batch, |c| Ok(gram.update_columns(c.active, c.rows, LANES, c.numbers)?))?;
@@ -200,7 +200,7 @@ pub fn refined(
     if numbers.saturating_mul(width + 1) > MOST {
         return Ok(None);
     }
-    let Some(batches) = batches(data, visits, 0..visits.len()) else { return Ok(None) };
+    let Some(batches) = blocks.batches(visits, 0..visits.len()) else { return Ok(None) };
     let wholes = blocks.wholes(&batches)?;
     let mut gram = Gram::new(width, 1);
     for whole in &wholes {
@@ -223,11 +223,12 @@ pub fn left_over(
 ) -> Result<Residuals, IdentifyError> {
     data.validate(model.chain())?;
     let bound = model.bind(&data.schema)?;
+    let soft = Equilibrium::is_soft(model, data, coefficients)?;
     const ROWS: usize = 4 * LANES;
     let parts: Vec<Vec<f64>> = (0..data.len().div_ceil(ROWS))
         .into_par_iter()
         .map(|part| {
-            let mut lanes = Lanes::new(bound.clone());
+            let mut lanes = Lanes::new(bound.clone()).soft(soft);
             let rows: Vec<usize> = (part * ROWS..((part + 1) * ROWS).min(data.len())).collect();
             let mut numbers = vec![0.0; rows.len().div_ceil(LANES) * 6 * LANES];
             for (rows, numbers) in rows.chunks(LANES).zip(numbers.chunks_exact_mut(6 * LANES)) {

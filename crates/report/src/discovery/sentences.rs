@@ -146,6 +146,26 @@ impl NestedSummary {
     }
 }
 
+impl DiscoverySummary {
+    /// The same, and why it is not the position error above where the two differ by more than a tenth.
+    pub(crate) fn nested_sentence(&self) -> Option<String> {
+        const ALIKE: f64 = 0.1;
+        let (nested, above) = (self.nested.as_ref()?, self.after.holdout_used());
+        let apart = (nested.after.rms_mm / above.rms_mm.max(f64::MIN_POSITIVE)).ln().abs();
+        let why = match self.held_out != HeldOut::NestedFolds && apart > ALIKE {
+            true => format!(
+                " It is not the position error above ({} mm): that is of {} {}, with the findings of the whole search; this is of {}, each predicted by a search with fewer poses.",
+                significant(above.rms_mm, 3),
+                count(above.count, "row"),
+                self.held_out_rows(),
+                count(nested.after.count, "row"),
+            ),
+            false => String::new(),
+        };
+        Some(nested.sentence() + &why)
+    }
+}
+
 impl WithdrawnSummary {
     /// The withdrawn findings, the check that they failed, and the model that is kept.
     pub(crate) fn sentence(&self) -> String {

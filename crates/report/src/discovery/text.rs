@@ -86,7 +86,7 @@ impl DiscoverySummary {
             writeln!(f, "{}", joints.sentence())?;
         }
         if let Some(nested) = &self.nested {
-            writeln!(f, "{}", nested.sentence())?;
+            writeln!(f, "{}", self.nested_sentence().unwrap_or_default())?;
             for (number, (found, after)) in (1..).zip(nested.found.iter().zip(&nested.after_by_fold)) {
                 let names = if found.is_empty() { "no finding".into() } else { found.join(", ") };
                 writeln!(f, "  fold {number}, {} mm: {names}", significant(after.rms_mm, 3))?;

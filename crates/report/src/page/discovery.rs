@@ -156,8 +156,8 @@ fn residual(page: &mut Page, summary: &DiscoverySummary) {
     if let Some(few) = &summary.too_few_poses {
         page.text(&few.sentence());
     }
-    if let Some(nested) = &summary.nested {
-        page.text(&nested.sentence());
+    if let Some(sentence) = summary.nested_sentence() {
+        page.text(&sentence);
     }
 }
 
