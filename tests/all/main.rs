@@ -40,6 +40,7 @@ mod shapes;
 mod shared_data;
 mod solvers_agree;
 mod suspicions;
+mod taught_frames;
 mod unseen;
 mod upkeep;
 mod verdict;

@@ -19,7 +19,9 @@ mod tokens;
 mod urscript;
 mod val3;
 
-pub use correct::{CorrectOptions, Correction, Outcome, correct, correct_all, unused};
+pub use correct::{
+    CorrectOptions, Correction, Outcome, Taught, Touched, correct, correct_all, is_stated, unused,
+};
 pub use dialect::Dialect;
 pub use error::ControllerError;
 pub use orientation::Orientation;

@@ -44,6 +44,7 @@ mod side_by_side;
 mod simulated;
 mod stream;
 mod surface;
+mod taught;
 mod unmoved;
 mod upkeep;
 mod wording;

@@ -13,6 +13,10 @@ pub struct CorrectOptions {
     pub tools: Vec<(String, Pose)>,
     /// The tool of points whose own has no value in the program.
     pub tool: Option<Pose>,
+    /// Frames and tools that were taught by touching with the uncorrected robot.
+    pub taught: Vec<Taught>,
+    /// Names of frames and tools that were measured, or are those of a drawing: they are where the program has them.
+    pub stated: Vec<String>,
     /// The controller's base in that of the robot description.
     pub controller_base: Pose,
     /// The controller's flange in the last joint's frame of the robot description.
@@ -42,6 +46,8 @@ impl Default for CorrectOptions {
             frame: None,
             tools: Vec::new(),
             tool: None,
+            taught: Vec::new(),
+            stated: Vec::new(),
             controller_base: Pose::IDENTITY,
             controller_flange: Pose::IDENTITY,
             start: None,
@@ -55,4 +61,30 @@ impl Default for CorrectOptions {
             pulses: None,
         }
     }
+}
+
+/// A frame or a tool that was taught by touching.
+#[derive(Debug, Clone)]
+pub struct Taught {
+    /// Of the frame or tool, in the program.
+    pub name: String,
+    /// Of the tool that touched, in the program; none: the tool of the points in this frame.
+    pub tool: Option<String>,
+    /// The file of the points, for messages.
+    pub file: String,
+    /// The points, in their order.
+    pub touched: Vec<Touched>,
+}
+
+/// A point that was touched.
+#[derive(Debug, Clone)]
+pub struct Touched {
+    /// `origin`, `x`, `xy`, or ABB's `x1`, `x2`, `y1`; empty: the first three in this order. A tool's points need none.
+    pub word: String,
+    /// From 1, in the file.
+    pub line: usize,
+    /// All moving joints, variables.
+    pub joints: Vec<f64>,
+    /// What was carried; none: what the program carries.
+    pub load: Option<Load>,
 }

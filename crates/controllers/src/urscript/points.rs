@@ -4,7 +4,7 @@ use super::expression::{Expression, Six};
 use super::file::{File, Motion, Step};
 use crate::Dialect;
 use crate::event::{Event, Visit};
-use crate::flow::{FRAME, TOOL};
+use crate::flow::FRAME;
 use crate::number::{Form, Slot};
 use crate::program::{Branch, Definition, Definitions, Note, Point, Program, Reference, Value};
 use std::collections::HashMap;
@@ -98,6 +98,7 @@ impl<'f> Names<'f> {
     fn frame(&self, expression: Option<&'f Expression>) -> Reference {
         match expression {
             None => Reference::Identity,
+            Some(Expression::Name(name)) if self.named(name).is_some() => Reference::Named(name.clone()),
             Some(expression) => self
                 .literal(expression)
                 .and_then(|six| Dialect::UrScript.pose(&six.values))
@@ -173,10 +174,12 @@ impl<'f> Reading<'f> {
         let target = apart(&motion.target);
         let mut active = file.uses[motion.used].clone();
         active[FRAME] = names.frame(target.frame);
-        if let Reference::Named(name) = &active[TOOL]
-            && let Some(pose) = names.named(name).and_then(|six| Dialect::UrScript.pose(&six.values))
-        {
-            self.definitions.put(name.clone(), Definition::Value(pose));
+        for reference in &active {
+            if let Reference::Named(name) = reference
+                && let Some(pose) = names.named(name).and_then(|six| Dialect::UrScript.pose(&six.values))
+            {
+                self.definitions.put(name.clone(), Definition::Value(pose));
+            }
         }
         let near = target.near.map(|near| names.literal(near).map(|six| six.values.to_vec()));
         let literals = literals(names, &target, motion, place);

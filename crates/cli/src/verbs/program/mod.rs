@@ -6,6 +6,7 @@ mod places;
 mod rewriting;
 mod rows;
 mod statements;
+mod taught;
 
 use super::print_json;
 use super::reporting::Folder;
@@ -55,7 +56,13 @@ pub fn run(args: &Compensate, file: &Path, read: &[NamedFile]) -> Result<(), Fai
     }
     if let Some(folder) = &folder {
         let inputs = [Some(&args.fit), own.program.as_ref(), args.frames.as_ref(), args.certificate.as_ref()];
-        let inputs: Vec<&Path> = inputs.into_iter().flatten().chain(&own.with).map(|file| &**file).collect();
+        let inputs: Vec<&Path> = inputs
+            .into_iter()
+            .flatten()
+            .chain(&own.with)
+            .chain(own.taught.iter().map(|taught| &taught.file))
+            .map(|file| &**file)
+            .collect();
         folder.add(&mut files, &made.view, &inputs, |run| Ok(program_report(&made.view, run)))?;
     }
     for line in &made.notes {

@@ -1,6 +1,7 @@
 //! Frames, tools and conditions of a program, from the options.
 
 use super::asked::Asked;
+use super::taught::taught;
 use crate::args::{GivenPlace, Place};
 use crate::failure::Failure;
 use crate::verbs::parameters::recorded_frames;
@@ -43,6 +44,8 @@ pub(super) fn options(
         channels: own.channel.clone(),
         limit: own.limit,
         external: own.external.clone(),
+        taught: taught(asked, fitted)?,
+        stated: own.measured.iter().chain(&own.cad).cloned().collect(),
         ignore_external: own.ignore_external,
         ..CorrectOptions::default()
     };

@@ -2,7 +2,7 @@
 
 use super::asked::Asked;
 use super::rows::{Part, rows, view};
-use super::{LISTED, places, statements};
+use super::{LISTED, places, statements, taught};
 use crate::failure::Failure;
 use std::path::{Path, PathBuf};
 use truepose_controllers::{ControllerError, Correction, Dialect, Outcome, Program, correct_all, unused};
@@ -93,7 +93,7 @@ pub(crate) fn rewrite(fitted: &FittedModel, file: &Path, asked: &Asked<'_>) -> R
         files.push(RewrittenFile { file: part.file.into(), text, rows: rows(part) });
     }
     stated.extend(statements::statements(fitted, &parts, &options, own.payload));
-    let mut view = view(fitted, &parts, own.dry_run);
+    let mut view = view(fitted, &parts, own.dry_run, taught::open(&parts, &options));
     view.notes.extend(stated.iter().cloned());
     stated.extend(notes(&parts, &own.leave));
     Ok(Rewritten { files, view, refused, notes: stated })

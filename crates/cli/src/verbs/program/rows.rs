@@ -50,7 +50,12 @@ pub(super) fn rows(part: &Part<'_>) -> Vec<CorrectionRow> {
     points.filter(|(_, own)| **own).map(|(pair, _)| one(pair)).collect()
 }
 
-pub(super) fn view(fitted: &FittedModel, parts: &[Part<'_>], dry_run: bool) -> ProgramView {
+pub(super) fn view(
+    fitted: &FittedModel,
+    parts: &[Part<'_>],
+    dry_run: bool,
+    open_frames: Vec<String>,
+) -> ProgramView {
     let chain = fitted.chain();
     let variables = |values: &Vec<f64>| {
         let mut joints = values.clone();
@@ -92,6 +97,7 @@ pub(super) fn view(fitted: &FittedModel, parts: &[Part<'_>], dry_run: bool) -> P
         program: first.map(|part| short(part.file)).unwrap_or_default(),
         language: first.map(|part| part.program.dialect().word().into()).unwrap_or_default(),
         dry_run,
+        open_frames,
         joints: joint_names(chain),
         notes: notes.collect(),
         points: points.map(one).collect(),
