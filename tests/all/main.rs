@@ -33,6 +33,7 @@ mod odd_robots;
 mod permuted;
 mod placement;
 mod plants;
+mod program_loads;
 mod programs;
 mod readme;
 mod reduction;

@@ -52,9 +52,13 @@ pub fn plant(chain: &Chain) -> Plant {
 }
 
 pub fn identified(plant: &Plant) -> FittedModel {
+    let campaign = Campaign::random(plant.chain(), 250, 11).expect("a campaign").shuffled(5);
+    identified_from(plant, &campaign)
+}
+
+pub fn identified_from(plant: &Plant, campaign: &Campaign) -> FittedModel {
     let chain = plant.chain();
-    let campaign = Campaign::random(chain, 250, 11).expect("a campaign").shuffled(5);
-    let data = plant.measure(&campaign, 7).expect("data");
+    let data = plant.measure(campaign, 7).expect("data");
     let effects: Vec<Box<dyn AnyEffect>> =
         vec![Box::new(Geometric::default()), Box::new(JointCompliance::default())];
     let model = ErrorModel::new(chain.clone(), effects).expect("a model");

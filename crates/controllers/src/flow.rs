@@ -1,17 +1,26 @@
-//! Which frame and tool are active at a statement, read line by line.
+//! Which frame, tool and load are active at a statement, read line by line.
 //!
 //! A frame that is set inside a branch or a loop is known until the block ends. Behind the block, and in a loop in front of the statement
 //! that sets it, it is known only where every way through the block leaves the same one.
 
 use crate::program::Reference;
 
-/// Frame and tool.
-pub(crate) type Active = [Reference; 2];
+/// Frame, tool and load.
+pub(crate) type Active = [Reference; 3];
 
 /// The frame's place in [`Active`].
 pub(crate) const FRAME: usize = 0;
 /// The tool's.
 pub(crate) const TOOL: usize = 1;
+/// The load's.
+pub(crate) const LOAD: usize = 2;
+/// All three.
+const ALL: [usize; 3] = [FRAME, TOOL, LOAD];
+
+/// None of the three is known, for this reason.
+pub(crate) fn unknown(why: &str) -> Active {
+    ALL.map(|_| Reference::Unknown(why.into()))
+}
 
 #[derive(Debug, Clone)]
 pub(crate) struct Flow {
@@ -36,13 +45,12 @@ struct Block {
     /// Motions from this one on are in the block.
     from: usize,
     /// The first motion behind the first change of each.
-    changed: [Option<usize>; 2],
+    changed: [Option<usize>; 3],
 }
 
 impl Flow {
     pub(crate) fn new(why: &str) -> Flow {
-        let unknown = || Reference::Unknown(why.into());
-        Flow { active: [unknown(), unknown()], blocks: Vec::new(), uses: Vec::new() }
+        Flow { active: unknown(why), blocks: Vec::new(), uses: Vec::new() }
     }
 
     /// A routine inside of another one begins, with this active; for [`Flow::leave`], what was before.
@@ -88,7 +96,7 @@ impl Flow {
             exits: Vec::new(),
             loops,
             from: self.uses.len(),
-            changed: [None, None],
+            changed: [None; 3],
         });
     }
 
@@ -101,7 +109,7 @@ impl Flow {
 
     pub(crate) fn close(&mut self) {
         let Some(block) = self.blocks.pop() else { return };
-        for which in [FRAME, TOOL] {
+        for which in ALL {
             let same =
                 block.exits.iter().chain([&self.active]).all(|exit| exit[which] == block.opened[which]);
             if same {
@@ -119,7 +127,7 @@ impl Flow {
     }
 }
 
-/// The one frame and tool of all uses of a point.
+/// The one frame, tool and load of all uses of a point.
 pub(crate) fn of_all<'a>(uses: impl Iterator<Item = &'a Active>, none: &Active) -> Active {
     let mut all: Option<Active> = None;
     for active in uses {
@@ -127,7 +135,7 @@ pub(crate) fn of_all<'a>(uses: impl Iterator<Item = &'a Active>, none: &Active) 
             all = Some(active.clone());
             continue;
         };
-        for which in [FRAME, TOOL] {
+        for which in ALL {
             if matches!(active[which], Reference::Excluded(_)) {
                 seen[which] = active[which].clone();
             }

@@ -25,4 +25,4 @@ pub use correct::{
 pub use dialect::Dialect;
 pub use error::ControllerError;
 pub use orientation::Orientation;
-pub use program::{Branch, Definitions, Note, Point, Program, Reference, Replacement, Value};
+pub use program::{Branch, Carried, Definitions, Note, Point, Program, Reference, Replacement, Value};

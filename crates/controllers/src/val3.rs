@@ -13,7 +13,7 @@ mod tags;
 use crate::error::syntax;
 use crate::event::Visit;
 use crate::number::{Form, Slot, number_at};
-use crate::program::{Branch, Definition, Definitions, Point, Reference, Value};
+use crate::program::{Branch, Carried, Definition, Definitions, Point, Reference, Value};
 use crate::{ControllerError, Dialect, Program};
 use std::collections::BTreeMap;
 use tags::{Tag, tags};
@@ -116,6 +116,7 @@ fn empty(name: String, tag: &Tag<'_>) -> Point {
         line: tag.line,
         value: Value::Joints(Vec::new()),
         external: Vec::new(),
+        carried: Carried::unstated(),
         fixed: None,
         slots: Vec::new(),
         written: Vec::new(),

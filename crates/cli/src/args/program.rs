@@ -57,7 +57,7 @@ pub struct RobotProgram {
         allow_hyphen_values = true
     )]
     pub start: Vec<f64>,
-    /// Mass carried while the program runs, kg
+    /// Mass carried while the program runs, kg [default: what the program states, where the fit has loads]
     #[arg(long, value_name = "KG", requires = "program", allow_negative_numbers = true)]
     pub payload: Option<f64>,
     /// Its centre of gravity in the frame of the measurements' tool, e.g. 0mm,0mm,80mm

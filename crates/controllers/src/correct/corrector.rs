@@ -12,14 +12,14 @@ use super::placed::{Placed, Stays};
 use super::signals::signals;
 use super::singular::singular;
 use super::taught::Learned;
-use crate::program::{Branch, Point, Program, Replacement, Value};
+use crate::program::{Branch, Carried, Point, Program, Replacement, Value};
 use crate::{ControllerError, Dialect};
 use truepose_compensate::{
     Compensator, CompensatorOptions, Installation, Status, Target, correction_helps, installation, radius_95,
 };
 use truepose_errormodel::{Channel, Coverage, FittedModel};
 use truepose_kinematics::nalgebra::Matrix3;
-use truepose_kinematics::{Chain, Conditions, JointKind, Pose, PostureBuffer, rotation_log};
+use truepose_kinematics::{Chain, Conditions, JointKind, Load, Payload, Pose, PostureBuffer, rotation_log};
 
 /// Corrects the points of one program.
 pub(super) struct Corrector<'m> {
@@ -243,6 +243,7 @@ impl<'m> Corrector<'m> {
         let desired = self.installation.base * meant * self.installation.tool;
         correction.desired = Some(desired.translation.into());
         self.conditions.joints = joints.to_vec();
+        self.conditions.load = self.load(&point.carried);
         let here = self.coverage.judge(&self.conditions, None);
         outside(self.fitted, &self.channels, &self.conditions, &here.beyond)?;
         let error = here.pose.translation - desired.translation;
@@ -303,6 +304,17 @@ impl<'m> Corrector<'m> {
         correction.replacement = Some(self.replacement(point, &found, &new, placed)?);
         correction.outcome = Outcome::Corrected;
         Ok(())
+    }
+
+    /// What the robot carries at a point.
+    fn load(&self, carried: &Carried) -> Load {
+        match carried {
+            Carried::Mass { mass, com, .. } if self.options.program_loads => {
+                let in_tool = self.installation.tool.inverse() * self.options.controller_flange;
+                Load::Payload(Payload { mass: *mass, com: in_tool.apply(com) })
+            }
+            _ => self.options.load,
+        }
     }
 
     /// Joints that bring the real robot there.

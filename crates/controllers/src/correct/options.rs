@@ -23,8 +23,10 @@ pub struct CorrectOptions {
     pub controller_flange: Pose,
     /// The controller's joint values before the program, rad or m.
     pub start: Option<Vec<f64>>,
-    /// What the robot carries.
+    /// What the robot carries, whatever the program states.
     pub load: Load,
+    /// The loads that the program states are taken in place of `load`, where they are clear.
+    pub program_loads: bool,
     /// Channels that the model reads, with the values that they have while the program runs.
     pub channels: Vec<(String, f64)>,
     /// Largest correction, m.
@@ -52,6 +54,7 @@ impl Default for CorrectOptions {
             controller_flange: Pose::IDENTITY,
             start: None,
             load: Load::None,
+            program_loads: false,
             channels: Vec::new(),
             // No arm of which measurements are published errs by more than 6 mm: more is a wrong frame, unit or load.
             limit: 0.01,

@@ -2,7 +2,7 @@
 
 use crate::error::syntax;
 use crate::number::{Form, Slot, number_at};
-use crate::program::{Branch, Point, Reference, Value};
+use crate::program::{Branch, Carried, Point, Reference, Value};
 use crate::tokens::{Cursor, Kind, Token};
 use crate::{ControllerError, Dialect};
 use std::collections::BTreeSet;
@@ -62,6 +62,7 @@ fn position(at: &mut Cursor<'_>) -> Result<Point, ControllerError> {
         line,
         value: Value::Joints(Vec::new()),
         external: Vec::new(),
+        carried: Carried::unstated(),
         fixed: None,
         slots: Vec::new(),
         written: Vec::new(),

@@ -14,7 +14,7 @@ mod frames;
 use crate::event::{Event, Visit};
 use crate::lines::{Line, lines};
 use crate::number::{Form, Slot, number_at};
-use crate::program::{Branch, Definitions, Note, Point, Reference, Value};
+use crate::program::{Branch, Carried, Definitions, Note, Point, Reference, Value};
 use crate::{ControllerError, Dialect, Program};
 use std::collections::HashMap;
 
@@ -36,7 +36,9 @@ pub(crate) fn read(text: &[u8], others: &[&[u8]]) -> Result<Program, ControllerE
     if let Some(pos) = head("//POS").filter(|&pos| pos < inst) {
         let mut state = State::default();
         for line in &lines[pos + 1..inst] {
-            points.extend(state.line(text, line));
+            let tool = Reference::Named(format!("{}.W", state.tool()));
+            let point = state.line(text, line);
+            points.extend(point.map(|point| Point { carried: definitions.load(&tool), ..point }));
         }
     }
     let mut job =
@@ -62,7 +64,7 @@ pub(crate) fn read(text: &[u8], others: &[&[u8]]) -> Result<Program, ControllerE
     })
 }
 
-/// What the lines before say of the positions that follow.
+/// What the lines before state about the positions that follow.
 #[derive(Debug, Default)]
 struct State {
     kind: String,
@@ -93,6 +95,7 @@ impl State {
             line: line.number,
             value: Value::Joints(Vec::new()),
             external: Vec::new(),
+            carried: Carried::unstated(),
             fixed: None,
             slots: Vec::new(),
             written: Vec::new(),
@@ -100,6 +103,11 @@ impl State {
         };
         self.fill(text, line.fields(equals + 1), &mut point);
         Some(point)
+    }
+
+    /// Several tools are listed where the job has several groups: the first is the robot's.
+    fn tool(&self) -> String {
+        format!("TOOL {}", self.tool.split(',').next().unwrap_or("").trim())
     }
 
     fn fill(&self, text: &[u8], fields: Vec<std::ops::Range<usize>>, point: &mut Point) {
@@ -136,12 +144,9 @@ impl State {
                 return;
             }
         };
-        let tool = if self.tool.is_empty() {
-            Reference::Unknown("///TOOL is absent".into())
-        } else {
-            // Several tools are listed where the job has several groups: the first is the robot's.
-            let first = self.tool.split(',').next().unwrap_or("").trim();
-            Reference::Named(format!("TOOL {first}"))
+        let tool = match self.tool.is_empty() {
+            true => Reference::Unknown("///TOOL is absent".into()),
+            false => Reference::Named(self.tool()),
         };
         let branch = if self.configuration.is_empty() {
             Branch::Continuous

@@ -13,6 +13,7 @@
 
 mod file;
 mod instructions;
+mod load;
 mod motion;
 mod node;
 mod points;

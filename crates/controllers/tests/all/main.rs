@@ -5,5 +5,6 @@
 mod configurations;
 mod corpus;
 mod grammars;
+mod loads;
 mod programs;
 mod understood;

@@ -92,7 +92,7 @@ pub(crate) fn rewrite(fitted: &FittedModel, file: &Path, asked: &Asked<'_>) -> R
         };
         files.push(RewrittenFile { file: part.file.into(), text, rows: rows(part) });
     }
-    stated.extend(statements::statements(fitted, &parts, &options, own.payload));
+    stated.extend(statements::statements(fitted, &parts, &options));
     let mut view = view(fitted, &parts, own.dry_run, taught::open(&parts, &options));
     view.notes.extend(stated.iter().cloned());
     stated.extend(notes(&parts, &own.leave));
@@ -167,7 +167,7 @@ fn notes(parts: &[Part<'_>], leave: &[String]) -> Vec<String> {
     let mut all = Vec::new();
     for part in parts {
         let file = part.file.display();
-        for note in part.program.notes().iter().filter(|note| note.file == 0 && !note.refuses && !note.load) {
+        for note in part.program.notes().iter().filter(|note| note.file == 0 && !note.refuses) {
             if note.missing.as_ref().is_none_or(|point| left(leave, point)) {
                 all.push(format!("{file}:{}: {}: {}: it stays as it is", note.line, note.name, note.words));
             }

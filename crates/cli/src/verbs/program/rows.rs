@@ -85,7 +85,7 @@ pub(super) fn view(
         }
     };
     let notes = parts.iter().flat_map(|part| {
-        let own = part.program.notes().iter().filter(|note| note.file == 0 && !note.load);
+        let own = part.program.notes().iter().filter(|note| note.file == 0);
         own.map(|note| {
             let words = format!("{}, line {}: {}: {}", short(part.file), note.line, note.name, note.words);
             if note.missing.is_some() { format!("{words}: it stays as it is") } else { words }

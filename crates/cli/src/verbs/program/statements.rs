@@ -1,50 +1,62 @@
 //! What a program states besides its points.
 
-use super::rows::{Part, short};
+use super::rows::Part;
 use super::taught;
-use truepose_controllers::CorrectOptions;
-use truepose_errormodel::FittedModel;
+use truepose_controllers::{Carried, CorrectOptions};
+use truepose_errormodel::{FittedModel, Interval};
+use truepose_report::count;
 
 /// A line for each.
-pub(super) fn statements(
-    fitted: &FittedModel,
-    parts: &[Part<'_>],
-    options: &CorrectOptions,
-    payload: Option<f64>,
-) -> Vec<String> {
-    let mut all = Vec::new();
-    all.extend(taught::note(&taught::open(parts, options)));
-    all.extend(loads(fitted, parts, payload));
+pub(super) fn statements(fitted: &FittedModel, parts: &[Part<'_>], options: &CorrectOptions) -> Vec<String> {
+    let mut all: Vec<String> = taught::note(&taught::open(parts, options)).into_iter().collect();
+    if let Some(known) = loads(fitted).filter(|_| options.program_loads) {
+        all.extend(carried(known, parts));
+    }
     all
 }
 
-/// Loads that the program states, where the fit has an effect of the load and none is given.
-fn loads(fitted: &FittedModel, parts: &[Part<'_>], payload: Option<f64>) -> Option<String> {
-    let known = fitted.domain.payload.as_ref()?;
-    if payload.is_some() {
-        return None;
+/// The loads of the data, kg, where there are several.
+pub(super) fn loads(fitted: &FittedModel) -> Option<&Interval> {
+    fitted.domain.payload.as_ref().filter(|known| known.upper > known.lower)
+}
+
+/// Which loads were taken, and where none was.
+fn carried(known: &Interval, parts: &[Part<'_>]) -> Vec<String> {
+    let (mut taken, mut open): (Vec<(String, usize)>, Vec<(String, usize)>) = Default::default();
+    for part in parts {
+        for (point, _) in part.program.points().iter().zip(part.own).filter(|(_, own)| **own) {
+            let (list, words) = match &point.carried {
+                Carried::Mass { name, mass, .. } => (&mut taken, format!("{name} of {mass} kg")),
+                Carried::Open(words) => (&mut open, words.clone()),
+            };
+            match list.iter_mut().find(|(other, _)| *other == words) {
+                Some((_, count)) => *count += 1,
+                None => list.push((words, 1)),
+            }
+        }
     }
-    let stated: Vec<String> = parts
-        .iter()
-        .flat_map(|part| {
-            part.program
-                .notes()
-                .iter()
-                .filter(|note| note.load && note.file == 0)
-                .map(|note| (part.file, note))
-        })
-        .take(3)
-        .map(|(file, note)| format!("{}, line {}: {}", short(file), note.line, note.words))
-        .collect();
-    if stated.is_empty() && known.upper - known.lower <= 0.0 {
-        return None;
-    }
-    let words = match stated.is_empty() {
-        true => "the program states none".into(),
-        false => stated.join("; "),
+    let listed = |list: &[(String, usize)]| {
+        let one = |(words, number): &(String, usize)| format!("{words} ({})", count(*number, "point"));
+        let mut words = list.iter().take(5).map(one).collect::<Vec<_>>().join("; ");
+        if list.len() > 5 {
+            words.push_str("; …");
+        }
+        words
     };
-    Some(format!(
-        "the fit has loads from {} kg to {} kg, and the program is compensated without a load, as none is stated (--payload, --com): {words}",
-        known.lower, known.upper
-    ))
+    let mut all = Vec::new();
+    if !taken.is_empty() {
+        all.push(format!(
+            "loads are those that the program states (--payload for another): {}",
+            listed(&taken)
+        ));
+    }
+    if !open.is_empty() {
+        all.push(format!(
+            "the fit has loads from {} kg to {} kg, and points are compensated without a load (--payload, --com): {}",
+            known.lower,
+            known.upper,
+            listed(&open)
+        ));
+    }
+    all
 }
