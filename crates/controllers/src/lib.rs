@@ -1,5 +1,6 @@
 #![doc = include_str!("../README.md")]
 
+mod backup;
 mod correct;
 mod dialect;
 mod error;
@@ -19,6 +20,7 @@ mod tokens;
 mod urscript;
 mod val3;
 
+pub use backup::{Role, linked};
 pub use correct::{
     CorrectOptions, Correction, Outcome, Taught, Touched, correct, correct_all, is_stated, unused,
 };

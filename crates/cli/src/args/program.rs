@@ -9,7 +9,8 @@ use truepose_kinematics::Pose;
 #[derive(Debug, Default, clap::Args)]
 pub struct RobotProgram {
     /// Robot program whose points are replaced by compensated ones, instead of poses: KUKA .src .dat, ABB .mod, FANUC .ls, Universal Robots
-    /// .script, Yaskawa .jbi, Stäubli .dtx
+    /// .script, Yaskawa .jbi, Stäubli .dtx. A folder is a controller's backup: all its programs, with its frames, tools and loads, are
+    /// written into the folder --out
     #[arg(long, value_name = "FILE", conflicts_with_all = ["poses", "joints", "cartesian"])]
     pub program: Option<Input>,
     /// Further file of the program with motions, declarations or frames; repeat the option for each. Its points are compensated, too, and

@@ -9,6 +9,7 @@
 #![cfg_attr(not(feature = "slow"), allow(dead_code, unused_imports))]
 
 mod acceptance;
+mod backup;
 mod columns;
 mod contacts;
 mod coupled;

@@ -21,8 +21,8 @@ pub(super) fn used(program: &Program) -> [BTreeSet<String>; 2] {
     used
 }
 
-/// Frames and tools of the options that no point of the programs uses, in words.
-pub fn unused(programs: &[Program], options: &CorrectOptions) -> Vec<String> {
+/// Frames and tools of the options that no point of the programs uses: name, and in words.
+pub fn unused(programs: &[Program], options: &CorrectOptions) -> Vec<(String, String)> {
     let all: Vec<[BTreeSet<String>; 2]> = programs.iter().map(used).collect();
     let mut found = Vec::new();
     for (which, given) in [&options.frames, &options.tools].into_iter().enumerate() {
@@ -31,14 +31,15 @@ pub fn unused(programs: &[Program], options: &CorrectOptions) -> Vec<String> {
         let known: Vec<&str> = names.iter().copied().collect();
         let known = if known.is_empty() { "none".into() } else { known.join(", ") };
         for (name, _) in given.iter().filter(|(name, _)| !names.iter().any(|other| same(other, name))) {
-            found.push(format!("no point of the program uses the {kind} `{name}` (used by name: {known})"));
+            let words = format!("no point of the program uses the {kind} `{name}` (used by name: {known})");
+            found.push((name.clone(), words));
         }
     }
     let given = options.taught.iter().map(|taught| &taught.name).chain(&options.stated);
     for name in given.filter(|name| !all.iter().flatten().flatten().any(|other| same(other, name))) {
-        found.push(format!(
-            "no point of the program uses the frame or tool `{name}` (--taught, --measured, --cad)"
-        ));
+        let words =
+            format!("no point of the program uses the frame or tool `{name}` (--taught, --measured, --cad)");
+        found.push((name.clone(), words));
     }
     found
 }

@@ -179,6 +179,19 @@ fn frames_and_tools_of_a_controller_are_read_from_its_files() {
     assert_eq!(of("UF2"), None);
     assert!(all[1].points().is_empty());
 
+    let base = "MOC:CFG_1.0:5:0::\n#\nROBOT:\n\n      -name \"ROB_1\" -use_joint_1 \"rob1_1\" \\\n      -base_frame_pos_x 0.5 -base_frame_orient_u0 0 \\\n      -base_frame_orient_u3 1\n#\nSINGLE:\n      -name \"T\" -base_frame_pos_x 9\n";
+    let all =
+        Program::read_all(&[module(&[]).as_bytes(), base.as_bytes()], Dialect::Rapid).expect("programs");
+    let root = all[0].definitions().get("$ROBROOT").expect("usable").expect("a base");
+    assert!((root.translation.x - 0.5).abs() < 1e-12 && (root.rotation[(0, 0)] + 1.0).abs() < 1e-12);
+    let two = base.replace("#\nSINGLE", "      -name \"ROB_2\"\n#\nSINGLE");
+    let all = Program::read_all(&[module(&[]).as_bytes(), two.as_bytes()], Dialect::Rapid).expect("programs");
+    assert!(all[0].definitions().get("$ROBROOT").unwrap_err().contains("several robots"));
+    let track = base.replace("#\nSINGLE", "      -base_frame_coordinated \"T\"\n#\nSINGLE");
+    let all =
+        Program::read_all(&[module(&[]).as_bytes(), track.as_bytes()], Dialect::Rapid).expect("programs");
+    assert_eq!(all[0].definitions().get("$ROBROOT"), Ok(None));
+
     let job = "/JOB\n//NAME A\n//POS\n///TOOL 3\n///POSTYPE USER\n///USER 2\n///RECTAN\nC00000=1,2,3,0,0,0\n//INST\nMOVL C00000 V=5.0\nEND\n";
     let user = "//UFRAME 2\r\n///NAME TABLE\r\n///TOOL 0\r\n////BUSER 700.000,10.000,0.000,0.0000,0.0000,90.0000\r\n";
     let tool = "//TOOL 0\n///NAME \n0.000,0.000,0.000,0.00,0.00,0.00\n//TOOL 3\n///NAME GUN\n0.000,0.000,155.000,0.00,0.00,0.00\n2.0\n0.0,0.0,80.0\n";

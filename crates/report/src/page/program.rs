@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 const SINGULAR: &str = "unchanged at a wrist singularity";
 
 /// Corrections as the page shows them.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct ProgramView {
     /// The robot's name.
     pub robot: String,
