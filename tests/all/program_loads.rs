@@ -13,7 +13,7 @@ fn a_load_that_the_program_states_is_in_the_correction() {
     let campaign = Campaign::random(plant.chain(), 250, 11).expect("a campaign");
     let campaign = campaign.with_some_payload(&[0.0, 40.0, 80.0], [0.0, 0.0, 0.15], 0.05, 3).shuffled(5);
     let fitted = identified_from(&plant, &campaign);
-    let known = fitted.domain.payload.clone().expect("loads in the data");
+    let known = fitted.domain.payload.expect("loads in the data");
     let (mass, com) = (0.8 * known.upper, Vector3::new(0.02, -0.03, 0.2));
     assert!(known.lower < 0.2 * known.upper);
     let chain = plant.chain();

@@ -1,8 +1,10 @@
-//! Which frame, tool and load are active at a statement, read line by line.
+//! Steps of a file, and which frame, tool and load are active at each, read line by line.
 //!
 //! A frame that is set inside a branch or a loop is known until the block ends. Behind the block, and in a loop in front of the statement
 //! that sets it, it is known only where every way through the block leaves the same one.
 
+use crate::event::{Event, Visit};
+use crate::note::Note;
 use crate::program::Reference;
 
 /// Frame, tool and load.
@@ -148,4 +150,62 @@ pub(crate) fn of_all<'a>(uses: impl Iterator<Item = &'a Active>, none: &Active) 
         }
     }
     all.unwrap_or_else(|| none.clone())
+}
+
+/// What happens in a file before its points are known.
+#[derive(Debug, Clone)]
+pub(crate) enum Step {
+    /// A motion, by its number.
+    Motion(usize),
+    Begin(String),
+    End,
+    Call(String),
+    Control {
+        linear: bool,
+        followed: bool,
+    },
+    /// The robot moves without a destination.
+    Away {
+        linear: bool,
+        line: usize,
+    },
+}
+
+impl Step {
+    /// What happens, with the visits of each motion.
+    pub(crate) fn events(&self, visits: impl FnOnce(usize) -> Vec<Event>) -> Vec<Event> {
+        vec![match self {
+            Step::Motion(number) => return visits(*number),
+            Step::Begin(name) => Event::Begin(name.clone()),
+            Step::End => Event::End,
+            Step::Call(name) => Event::Call(name.clone()),
+            Step::Control { linear, followed } => Event::Control { linear: *linear, followed: *followed },
+            Step::Away { linear, line } => Visit::event(Vec::new(), *linear, *line),
+        }]
+    }
+}
+
+/// A motion without its destinations.
+#[derive(Debug, Clone)]
+pub(crate) struct Head {
+    /// From 1.
+    pub(crate) line: usize,
+    /// As written.
+    pub(crate) shown: String,
+    /// Along a line or an arc.
+    pub(crate) linear: bool,
+    /// Why it is not understood.
+    pub(crate) odd: Option<String>,
+}
+
+impl Head {
+    /// Of a motion in this file that stands against the program.
+    pub(crate) fn refusing(&self, file: usize, words: &str) -> Note {
+        Note { file, ..Note::refusing(self.line, self.shown.clone(), words.into()) }
+    }
+
+    /// Of a motion to a point without a value.
+    pub(crate) fn missing(&self, file: usize, point: &str) -> Note {
+        Note { file, ..Note::missing(self.line, self.shown.clone(), point.into()) }
+    }
 }

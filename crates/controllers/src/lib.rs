@@ -10,6 +10,7 @@ mod flow;
 mod inform;
 mod krl;
 mod lines;
+mod note;
 mod number;
 mod orientation;
 mod program;
@@ -26,5 +27,6 @@ pub use correct::{
 };
 pub use dialect::Dialect;
 pub use error::ControllerError;
+pub use note::Note;
 pub use orientation::Orientation;
-pub use program::{Branch, Carried, Definitions, Note, Point, Program, Reference, Replacement, Value};
+pub use program::{Branch, Carried, Definitions, Point, Program, Reference, Replacement, Value};

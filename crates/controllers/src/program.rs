@@ -1,6 +1,7 @@
 //! A program and its points, whatever its language.
 
 use crate::event::Event;
+use crate::note::Note;
 use crate::number::Slot;
 use crate::{ControllerError, Dialect, Orientation};
 use std::collections::BTreeMap;
@@ -154,7 +155,7 @@ pub enum Branch {
 #[derive(Debug, Clone, Default)]
 pub struct Definitions(pub(crate) BTreeMap<String, Definition>);
 
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Definition {
     Value(Pose),
     SameAs(String),
@@ -174,12 +175,7 @@ impl Definitions {
         }
         // A name with two values is neither.
         if let Some(old) = self.0.get(&name) {
-            let same = match (old, &definition) {
-                (Definition::Value(a), Definition::Value(b)) => a == b,
-                (Definition::SameAs(a), Definition::SameAs(b)) => a == b,
-                (Definition::Load(a, c), Definition::Load(b, d)) => a == b && c == d,
-                _ => false,
-            };
+            let same = *old == definition;
             if !same && !matches!(old, Definition::Excluded(_)) {
                 let words = format!("{name} has more than one value in the files given");
                 self.0.insert(name, Definition::Unusable(words));
@@ -248,36 +244,6 @@ impl Definitions {
     }
 }
 
-/// A statement about the program that is not about one of its points.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Note {
-    /// From 1.
-    pub line: usize,
-    /// What it is about.
-    pub name: String,
-    /// In words.
-    pub words: String,
-    /// Whether a compensated program would move otherwise than it says: a position that is computed from a point.
-    pub refuses: bool,
-    /// The point to which a motion goes and which has no value in the files given.
-    pub missing: Option<String>,
-    /// The file of the line: 0 is the program, 1 the first of the further files.
-    pub file: usize,
-}
-
-impl Note {
-    /// Of a motion to a point without a value.
-    pub(crate) fn missing(line: usize, name: String, point: String) -> Note {
-        let words = format!("{point} has no value in the files given");
-        Note { line, name, words, refuses: false, missing: Some(point), file: 0 }
-    }
-
-    /// Of a position that is computed while the program runs, or a motion that is not understood.
-    pub(crate) fn refusing(line: usize, name: String, words: String) -> Note {
-        Note { line, name, words, refuses: true, missing: None, file: 0 }
-    }
-}
-
 /// What becomes of a point: its new numbers.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Replacement {
@@ -307,6 +273,14 @@ impl Program {
     /// Frames and tools whose values stand in the files.
     pub fn definitions(&self) -> &Definitions {
         &self.definitions
+    }
+
+    /// Motions of this file: their lines, and the points to which they go.
+    pub fn motions(&self) -> impl Iterator<Item = (usize, &[usize])> {
+        self.route.first().into_iter().flatten().filter_map(|event| match event {
+            Event::Visit(visit) => Some((visit.line, visit.points.as_slice())),
+            _ => None,
+        })
     }
 
     /// Of each point, whether a motion of the files goes to it.
@@ -363,6 +337,21 @@ impl Program {
 }
 
 impl Point {
+    /// Without a value yet.
+    pub(crate) fn new(name: String, line: usize) -> Point {
+        Point {
+            name,
+            line,
+            value: Value::Joints(Vec::new()),
+            external: Vec::new(),
+            carried: Carried::unstated(),
+            fixed: None,
+            slots: Vec::new(),
+            written: Vec::new(),
+            turns: Vec::new(),
+        }
+    }
+
     /// Byte ranges of its numbers.
     pub fn ranges(&self) -> impl Iterator<Item = std::ops::Range<usize>> + '_ {
         self.slots.iter().chain(&self.turns).map(|slot| slot.range.clone())

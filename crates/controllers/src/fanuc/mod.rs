@@ -63,9 +63,9 @@ pub(crate) fn read(text: &[u8], others: &[&[u8]]) -> Result<Program, ControllerE
             points[k].carried = definitions.load(load);
         }
     }
-    let visit = |&(number, linear): &(Option<i64>, bool)| {
+    let visit = |&(number, linear, line): &(Option<i64>, bool, usize)| {
         let at = number.and_then(|number| place.get(&number).copied());
-        Visit::event(at.into_iter().collect(), linear)
+        Visit::event(at.into_iter().collect(), linear, line)
     };
     let route = vec![motions.reached.iter().map(visit).collect()];
     Ok(Program {

@@ -1,13 +1,14 @@
 //! Instructions: which points are reached, and which are displaced on the way.
 
 use crate::lines::Line;
-use crate::program::{Note, Reference};
+use crate::note::Note;
+use crate::program::Reference;
 use std::collections::{BTreeMap, BTreeSet};
 
 #[derive(Debug)]
 pub(super) struct Motions {
-    /// Numbers of the points in the order of the program (none: another place), and whether the way is a line or an arc.
-    pub(super) reached: Vec<(Option<i64>, bool)>,
+    /// Numbers of the points in the order of the program (none: another place), whether the way is a line or an arc, and the line.
+    pub(super) reached: Vec<(Option<i64>, bool, usize)>,
     /// Points that an instruction displaces, and why.
     pub(super) displaced: Vec<(i64, String)>,
     /// Points with the payload that is active at a motion to them.
@@ -217,7 +218,7 @@ impl Motions {
         for (list, number) in all.into_iter().take(places) {
             match number.filter(|_| list == "P") {
                 Some(number) if !self.known.contains(&number) => {
-                    self.reached.push((None, linear));
+                    self.reached.push((None, linear, line));
                     self.notes.push(Note::missing(line, shown(text), format!("P[{number}]")));
                 }
                 Some(number) => {
@@ -225,11 +226,11 @@ impl Motions {
                     if *load != self.payload {
                         *load = Reference::Unknown("it is used with several PAYLOADs".into());
                     }
-                    self.reached.push((Some(number), linear));
+                    self.reached.push((Some(number), linear, line));
                     self.displaced.extend(why.clone().map(|words| (number, words)));
                 }
                 None => {
-                    self.reached.push((None, linear));
+                    self.reached.push((None, linear, line));
                     let number = number.map_or("…".into(), |number| number.to_string());
                     self.notes.push(Note::missing(line, shown(text), format!("{list}[{number}]")));
                 }

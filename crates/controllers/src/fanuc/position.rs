@@ -2,7 +2,7 @@
 
 use crate::error::syntax;
 use crate::number::{Form, Slot, number_at};
-use crate::program::{Branch, Carried, Point, Reference, Value};
+use crate::program::{Branch, Point, Reference, Value};
 use crate::tokens::{Cursor, Kind, Token};
 use crate::{ControllerError, Dialect};
 use std::collections::BTreeSet;
@@ -57,17 +57,7 @@ fn position(at: &mut Cursor<'_>) -> Result<Point, ControllerError> {
         return Err(syntax(at.text, begin, "a position is not closed with };"));
     }
     let inside = &at.tokens[open..at.at - 2];
-    let mut point = Point {
-        name: format!("P[{number:.0}]"),
-        line,
-        value: Value::Joints(Vec::new()),
-        external: Vec::new(),
-        carried: Carried::unstated(),
-        fixed: None,
-        slots: Vec::new(),
-        written: Vec::new(),
-        turns: Vec::new(),
-    };
+    let mut point = Point::new(format!("P[{number:.0}]"), line);
     groups(at.text, inside, &mut point);
     Ok(point)
 }

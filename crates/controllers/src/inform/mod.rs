@@ -13,8 +13,9 @@ mod frames;
 
 use crate::event::{Event, Visit};
 use crate::lines::{Line, lines};
+use crate::note::Note;
 use crate::number::{Form, Slot, number_at};
-use crate::program::{Branch, Carried, Definitions, Note, Point, Reference, Value};
+use crate::program::{Branch, Definitions, Point, Reference, Value};
 use crate::{ControllerError, Dialect, Program};
 use std::collections::HashMap;
 
@@ -90,17 +91,7 @@ impl State {
         let equals = line.bytes.iter().position(|&byte| byte == b'=')?;
         let name = String::from_utf8_lossy(line.bytes[..equals].trim_ascii()).into_owned();
         key(&name)?;
-        let mut point = Point {
-            name,
-            line: line.number,
-            value: Value::Joints(Vec::new()),
-            external: Vec::new(),
-            carried: Carried::unstated(),
-            fixed: None,
-            slots: Vec::new(),
-            written: Vec::new(),
-            turns: Vec::new(),
-        };
+        let mut point = Point::new(name, line.number);
         self.fill(text, line.fields(equals + 1), &mut point);
         Some(point)
     }
@@ -215,7 +206,7 @@ impl Job {
                     self.notes.push(Note::refusing(line.number, text.into(), words));
                 }
                 let at = named.first().and_then(|name| self.places.get(name)).copied();
-                self.route.push(Visit::event(at.into_iter().collect(), linear));
+                self.route.push(Visit::event(at.into_iter().collect(), linear, line.number));
                 let name = named.first().map(|name| format!("{}{:05}", name.0, name.1));
                 let name = name.unwrap_or_else(|| words.next().unwrap_or(verb).into());
                 match at {
@@ -227,12 +218,12 @@ impl Job {
                 let words =
                     format!("{verb} in line {} moves by a distance from where the robot is", line.number);
                 self.notes.push(Note::refusing(line.number, text.into(), words));
-                self.route.push(Visit::event(Vec::new(), true));
+                self.route.push(Visit::event(Vec::new(), true, line.number));
             }
             _ if verb.contains("MOV") => {
                 let words = "a motion that is not understood: where the robot moves is not known";
                 self.notes.push(Note::refusing(line.number, text.into(), words.into()));
-                self.route.push(Visit::event(Vec::new(), false));
+                self.route.push(Visit::event(Vec::new(), false, line.number));
             }
             "GETPOS" => {
                 let words = "a position is computed from a step of the job: from a compensated point it comes out displaced";

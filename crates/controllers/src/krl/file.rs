@@ -3,8 +3,7 @@
 use super::aggregate::Aggregate;
 use super::candidate::{Candidate, candidate, pose};
 use crate::ControllerError;
-use crate::event::{Head, Step};
-use crate::flow::{Active, FRAME, Flow, LOAD, Outer, TOOL, unknown};
+use crate::flow::{Active, FRAME, Flow, Head, LOAD, Outer, Step, TOOL, unknown};
 use crate::program::{Definition, Reference};
 use crate::tokens::{Cursor, Kind, Lexis, tokens};
 use truepose_kinematics::nalgebra::Vector3;

@@ -4,8 +4,7 @@ use super::aggregate::Aggregate;
 use super::candidate::{Candidate, candidate};
 use super::file::{Motion, Reader, name};
 use crate::ControllerError;
-use crate::event::{Head, Step};
-use crate::flow::{FRAME, LOAD, TOOL};
+use crate::flow::{FRAME, Head, LOAD, Step, TOOL};
 use crate::tokens::{Cursor, Kind};
 
 /// Words that may stand behind a destination, besides `C_DIS` and the like.

@@ -5,7 +5,8 @@ use super::file::{File, Motion, bare};
 use crate::Dialect;
 use crate::event::Visit;
 use crate::flow::{Active, LOAD, of_all};
-use crate::program::{Branch, Carried, Definitions, Note, Point, Program, Reference, Value};
+use crate::note::Note;
+use crate::program::{Branch, Carried, Definitions, Point, Program, Reference, Value};
 use std::collections::HashMap;
 
 pub(super) fn program(text: &[u8], files: &[File], definitions: Definitions) -> Program {
@@ -43,7 +44,11 @@ pub(super) fn program(text: &[u8], files: &[File], definitions: Definitions) -> 
             } else if at.is_empty() || motion.computed {
                 notes.extend(note(motion, files, &uses, place));
             }
-            vec![Visit::event(if motion.computed { Vec::new() } else { at }, motion.head.linear)]
+            vec![Visit::event(
+                if motion.computed { Vec::new() } else { at },
+                motion.head.linear,
+                motion.head.line,
+            )]
         };
         route.push(file.steps.iter().flat_map(|step| step.events(&mut visits)).collect());
         notes.extend(odd(file, files, place));

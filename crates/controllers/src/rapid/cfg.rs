@@ -11,6 +11,7 @@
 
 use crate::Dialect;
 use crate::program::{Definition, Definitions};
+use truepose_kinematics::Pose;
 
 /// Whether a text is one of these.
 pub(super) fn is(text: &[u8]) -> bool {
@@ -43,11 +44,14 @@ pub(super) fn read(text: &[u8], definitions: &mut Definitions) {
             robot[part] = words.peek().and_then(|value| value.parse().ok()).unwrap_or(f64::NAN);
         }
     }
-    let [first, others @ ..] = &robots[..] else { return };
+    let pose = |numbers: &[f64; 7]| {
+        let [x, y, z, rest @ ..] = *numbers;
+        Dialect::Rapid.pose(&[&[x, y, z].map(|value| 1e3 * value)[..], &rest].concat())
+    };
+    let poses: Vec<Option<Pose>> = robots.iter().map(pose).collect();
+    let [first, others @ ..] = &poses[..] else { return };
     let unusable = |words: &str| Definition::Unusable(format!("the robot's base (MOC.cfg) {words}"));
-    let mut numbers = *first;
-    numbers[..3].iter_mut().for_each(|value| *value *= 1e3);
-    let definition = match Dialect::Rapid.pose(&numbers) {
+    let definition = match *first {
         _ if moved => return,
         _ if others.iter().any(|other| other != first) => unusable("is that of several robots"),
         Some(pose) => Definition::Value(pose),

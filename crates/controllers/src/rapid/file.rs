@@ -3,7 +3,7 @@
 use super::instructions::{KEYWORDS, signature};
 use super::load::{Grip, Held, load};
 use super::node::Node;
-use crate::event::{Head, Step};
+use crate::flow::{Head, Step};
 use crate::program::{Definition, Reference};
 use crate::tokens::{Cursor, Kind, Lexis, Token, tokens};
 use crate::{ControllerError, Dialect};
@@ -219,6 +219,10 @@ impl File {
             let word = at.peek_word().map(str::to_ascii_uppercase);
             if word.as_ref().is_some_and(|word| KEYWORDS.contains(&word.as_str())) {
                 break;
+            }
+            if word.as_ref().is_some_and(|word| signature(word).is_some()) {
+                // `IF flag MoveL p10,…;`: what is in front is a condition.
+                return;
             }
             at.at += 1;
             if let Some(word) = word {

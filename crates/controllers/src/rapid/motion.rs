@@ -5,7 +5,7 @@ use super::instructions::{Argument, Signature};
 use super::load::Held;
 use super::node::Node;
 use crate::ControllerError;
-use crate::event::{Head, Step};
+use crate::flow::{Head, Step};
 use crate::program::{Definition, Reference};
 use crate::tokens::{Cursor, Kind, Token};
 

@@ -5,8 +5,9 @@ use super::node::Node;
 use crate::Dialect;
 use crate::event::Visit;
 use crate::flow::{Active, of_all, unknown};
+use crate::note::Note;
 use crate::number::{Form, Slot};
-use crate::program::{Branch, Carried, Definitions, Note, Point, Program, Reference, Value};
+use crate::program::{Branch, Carried, Definitions, Point, Program, Reference, Value};
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 
@@ -68,7 +69,7 @@ pub(super) fn program(text: &[u8], files: &[File], definitions: Definitions) -> 
                 if at.is_empty() {
                     notes.extend(note(motion, destination, files, &names, place));
                 }
-                visits.push(Visit::event(at, motion.head.linear));
+                visits.push(Visit::event(at, motion.head.linear, motion.head.line));
             }
             visits
         };
@@ -215,15 +216,8 @@ fn point(text: &[u8], candidate: &Candidate, active: Active, changed: Option<&(S
     let slot = |(range, form): (&Range<usize>, Form)| Slot::padded(text, range.clone(), form);
     let items = candidate.node.items();
     let mut point = Point {
-        name: candidate.name.clone(),
-        line: candidate.line,
-        value: Value::Joints(Vec::new()),
-        external: Vec::new(),
-        carried: Carried::unstated(),
         fixed: changed.map(|(_, line)| format!("line {line} changes it while the program runs")),
-        slots: Vec::new(),
-        written: Vec::new(),
-        turns: Vec::new(),
+        ..Point::new(candidate.name.clone(), candidate.line)
     };
     if let Some(axes) = items.last() {
         point.external = external(axes);

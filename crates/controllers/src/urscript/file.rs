@@ -2,8 +2,7 @@
 
 use super::expression::{Expression, arguments, unnamed};
 use crate::ControllerError;
-use crate::event::{Head, Step};
-use crate::flow::{Active, FRAME, Flow, LOAD, Outer, TOOL};
+use crate::flow::{Active, FRAME, Flow, Head, LOAD, Outer, Step, TOOL};
 use crate::program::{Definition, Reference};
 use crate::tokens::{Cursor, Kind, Lexis, Token, tokens};
 
@@ -308,7 +307,7 @@ impl Reader<'_> {
         } else if MOTIONS.contains(&verb) {
             self.motion(verb, &parts, line);
         } else if AWAY.contains(&verb) {
-            self.file.steps.push(Step::Away { linear: verb.ends_with('l') });
+            self.file.steps.push(Step::Away { linear: verb.ends_with('l'), line });
         } else if begins(&DISPLACING) {
             self.file.refused.push((line, verb.into(), "it displaces positions while the program runs"));
         } else if LOADS.contains(&verb) {

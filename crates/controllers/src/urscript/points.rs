@@ -5,8 +5,9 @@ use super::file::{File, Motion};
 use crate::Dialect;
 use crate::event::{Event, Visit};
 use crate::flow::{Active, FRAME, LOAD, of_all, unknown};
+use crate::note::Note;
 use crate::number::{Form, Slot};
-use crate::program::{Branch, Definition, Definitions, Note, Point, Program, Reference, Value};
+use crate::program::{Branch, Definition, Definitions, Point, Program, Reference, Value};
 use std::collections::HashMap;
 use truepose_kinematics::Pose;
 
@@ -130,7 +131,7 @@ pub(super) fn program(text: &[u8], files: &[File]) -> Program {
     for (place, file) in files.iter().enumerate() {
         let mut visits = |number: usize| {
             let motion = &file.motions[number];
-            vec![Visit::event(reading.motion(file, motion, place), motion.head.linear)]
+            vec![Visit::event(reading.motion(file, motion, place), motion.head.linear, motion.head.line)]
         };
         route.push(file.steps.iter().flat_map(|step| step.events(&mut visits)).collect());
         let refusing = |line: &usize, name: &String, words: &str| {

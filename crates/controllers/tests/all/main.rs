@@ -4,6 +4,7 @@
 
 mod configurations;
 mod corpus;
+mod counted;
 mod grammars;
 mod loads;
 mod programs;

@@ -22,7 +22,8 @@ pub(super) fn loads(fitted: &FittedModel) -> Option<&Interval> {
 
 /// Which loads were taken, and where none was.
 fn carried(known: &Interval, parts: &[Part<'_>]) -> Vec<String> {
-    let (mut taken, mut open): (Vec<(String, usize)>, Vec<(String, usize)>) = Default::default();
+    let mut taken: Vec<(String, usize)> = Vec::new();
+    let mut open = taken.clone();
     for part in parts {
         for (point, _) in part.program.points().iter().zip(part.own).filter(|(_, own)| **own) {
             let (list, words) = match &point.carried {
