@@ -15,6 +15,9 @@ pub enum Role {
     Other,
 }
 
+/// Frames and tools of every program.
+const ALWAYS: [&str; 4] = ["WOBJ0", "TOOL0", "BASE_DATA[0]", "TOOL_DATA[0]"];
+
 impl Dialect {
     /// What a file is to programs of this language, by its name and its text.
     pub fn role(self, path: &Path, text: &[u8]) -> Role {
@@ -28,12 +31,10 @@ impl Dialect {
             Dialect::UrScript | Dialect::Val3 => false,
         };
         if table {
-            let read = Program::read(text, &[], self);
-            return if read.is_ok_and(|read| !read.definitions().0.is_empty()) {
-                Role::Table
-            } else {
-                Role::Other
-            };
+            // Those that every program has are no facts of this one.
+            let own =
+                |read: Program| read.definitions().0.keys().any(|name| !ALWAYS.contains(&name.as_str()));
+            return if Program::read(text, &[], self).is_ok_and(own) { Role::Table } else { Role::Other };
         }
         // Routines of the controller's maker.
         let system = self == Dialect::Krl
@@ -104,6 +105,7 @@ mod tests {
         assert_eq!(of(Dialect::Krl, "R1/System/bas.src", ""), Role::Other);
         let config = "BASE_DATA[1]={X 1,Y 2,Z 3,A 0,B 0,C 0}\n";
         assert_eq!(of(Dialect::Krl, "R1/System/$config.dat", config), Role::Table);
+        assert_eq!(of(Dialect::Krl, "R1/System/$custom.dat", "DEFDAT $CUSTOM\nENDDAT\n"), Role::Other);
         assert_eq!(
             of(
                 Dialect::Rapid,

@@ -60,7 +60,8 @@ impl File {
         let all = tokens(text, LEXIS)?;
         let mut mode = Flow::new("");
         mode.restart(ON_ROBOT);
-        let flow = Flow::new("it is not set before");
+        let mut flow = Flow::new("");
+        flow.restart(unset());
         let mut reader = Reader { text, flow, mode, outside: None, file: File::default() };
         for line in all.split_inclusive(|token| token.kind == Kind::End) {
             reader.statement(&mut Cursor::new(text, line))?;
@@ -105,7 +106,7 @@ impl<'t> Reader<'t> {
 
     /// `DEF name( )`: the name is next.
     fn routine(&mut self, at: &mut Cursor<'t>, typed: bool) {
-        self.flow.restart(unknown("it is not set before"));
+        self.flow.restart(unset());
         self.mode.restart(ON_ROBOT);
         if typed {
             at.word();
@@ -157,6 +158,9 @@ impl<'t> Reader<'t> {
         let line = at.peek().map_or(0, |token| token.line);
         let Some(name) = name(at) else { return Ok(()) };
         if at.take(b'.') {
+            if let Some(which) = ["$BASE", "$TOOL", "$LOAD"].iter().position(|active| *active == name) {
+                self.flow.set(which, Reference::Unknown(format!("a part of it is set in line {line}")));
+            }
             self.file.changed.push((name, line));
             return Ok(());
         }
@@ -362,6 +366,12 @@ impl<'t> Reader<'t> {
             self.file.candidates.push(candidate);
         }
     }
+}
+
+/// Before anything is set.
+fn unset() -> Active {
+    let [frame, tool, _] = unknown("it is not set before");
+    [frame, tool, Reference::Unknown("$LOAD is not set before".into())]
 }
 
 /// A name in capitals, with a literal index; `[*]` for any other.

@@ -110,7 +110,7 @@ impl Uses {
 }
 
 /// Whether a reference to `to` may be to `name`.
-fn means(to: &str, name: &str) -> bool {
+pub(super) fn means(to: &str, name: &str) -> bool {
     to == name || (bare(to) == bare(name) && (to.contains("[*]") || name.contains("[*]")))
 }
 

@@ -67,7 +67,7 @@ fn krl_has_the_load_of_the_tools_number() {
     assert_eq!(
         loads(Dialect::Krl, text, &[config]),
         [
-            "it is not set before",
+            "$LOAD is not set before",
             "LOAD_DATA[1] 12 10 0 80",
             "LOAD_DATA[2] is the largest load (M is negative)",
             "the load of LOAD_DATA[3] has no value in the files given",

@@ -101,6 +101,34 @@ fn krl_settings_of_a_spline_and_of_a_motion_end_with_it() {
 }
 
 #[test]
+fn krl_frames_that_change_while_the_program_runs_are_not_known() {
+    let place = "LIN {X 1,Y 2,Z 3,A 4,B 5,C 6}\n";
+    let data = "BASE_DATA[1]={X 1,Y 2,Z 3,A 0,B 0,C 0}\nBASE_DATA[2]={X 5,Y 2,Z 3,A 0,B 0,C 0}\n";
+    let text = |more: &str| format!("DEF a()\n$TOOL=$NULLFRAME\n$BASE=BASE_DATA[1]\n{more}{place}END\n");
+    let read =
+        |text: &str| Program::read(text.as_bytes(), &[data.as_bytes()], Dialect::Krl).expect("a program");
+    let frame = |program: &Program| match &program.points()[0].value {
+        Value::Pose { frame: Reference::Named(name), .. } => match program.definitions().get(name) {
+            Ok(Some(_)) => "known".into(),
+            Ok(None) => "none".into(),
+            Err(words) => words,
+        },
+        Value::Pose { frame: Reference::Unknown(words), .. } => words.clone(),
+        _ => "other".into(),
+    };
+    assert_eq!(frame(&read(&text(""))), "known");
+    assert_eq!(frame(&read(&text("BASE_DATA[2].Z=5\n"))), "known");
+    assert_eq!(frame(&read(&text("$BASE.Z=$BASE.Z+10\n"))), "a part of it is set in line 4");
+    for change in ["BASE_DATA[1].Z=5\n", "BASE_DATA[1]=CALC(3)\n", "BASE_DATA[I]=F\n"] {
+        assert_eq!(
+            frame(&read(&text(change))),
+            "line 4 changes BASE_DATA[1] while the program runs",
+            "{change}"
+        );
+    }
+}
+
+#[test]
 fn fanuc_options_are_known_or_refused_in_the_language_of_the_controller() {
     let place = |number: usize, key: &str| {
         format!(

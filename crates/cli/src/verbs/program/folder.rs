@@ -282,7 +282,8 @@ fn notes(made: &[Rewritten], short: &dyn Fn(&Path) -> PathBuf) -> Vec<String> {
 fn refusals(backup: &Backup, short: &dyn Fn(&Path) -> PathBuf) -> Vec<String> {
     let one = |(file, words): &(PathBuf, String)| {
         let mut lines = vec![format!("refused: {}", short(file).display())];
-        lines.extend(words.lines().map(|line| format!("  {line}")));
+        let own = words.lines().filter(|line| !line.starts_with("nothing is written"));
+        lines.extend(own.map(|line| format!("  {line}")));
         lines
     };
     backup.refused.iter().flat_map(one).collect()
@@ -304,11 +305,12 @@ fn summary(args: &Compensate, made: &[Rewritten], backup: &Backup, short: &dyn F
     for line in refusals(backup, short) {
         terminal::print(&format!("{line}\n"));
     }
-    for (word, files) in [
-        ("no points", &backup.still),
-        ("frames, tools, loads", &backup.tables),
-        ("no programs", &backup.others),
-    ] {
+    // A module may have tools and motions.
+    let program = |file: &&PathBuf| backup.programs.iter().flatten().any(|own| own == *file);
+    let tables: Vec<PathBuf> = backup.tables.iter().filter(|file| !program(file)).cloned().collect();
+    for (word, files) in
+        [("no points", &backup.still), ("frames, tools, loads", &tables), ("no programs", &backup.others)]
+    {
         if !files.is_empty() {
             let mut names: Vec<String> =
                 files.iter().take(LISTED).map(|file| short(file).display().to_string()).collect();
