@@ -16,7 +16,7 @@ use truepose_simulate::{Campaign, Plant, PlantDescription, PlantOptions};
 use truepose_solvers::PivotedQr;
 
 /// A heavy arm; with ABB's and FANUC's zero (upper arm upright) or with KUKA's (stretched out).
-fn arm(upright: bool) -> Chain {
+pub fn arm(upright: bool) -> Chain {
     let heavy = samples::heavy();
     if !upright {
         return heavy;
@@ -34,7 +34,7 @@ fn arm(upright: bool) -> Chain {
     chain.and_then(|chain| chain.with_tool(*heavy.tool())).expect("an arm")
 }
 
-fn plant(chain: &Chain) -> Plant {
+pub fn plant(chain: &Chain) -> Plant {
     let mut text = String::from(
         "[errors.geometric]\nposition_mm = 0.4\nangle_mrad = 0.3\n[instrument]\nsd_um = 10\norientation_urad = 20\n\
          [repeatability]\nsd_um = 20\n",
@@ -51,10 +51,14 @@ fn plant(chain: &Chain) -> Plant {
     Plant::random(chain, &PlantOptions { errors, shop, instrument, repeatability }, 3).expect("a plant")
 }
 
-fn identified(plant: &Plant) -> FittedModel {
+pub fn identified(plant: &Plant) -> FittedModel {
+    let campaign = Campaign::random(plant.chain(), 250, 11).expect("a campaign").shuffled(5);
+    identified_from(plant, &campaign)
+}
+
+pub fn identified_from(plant: &Plant, campaign: &Campaign) -> FittedModel {
     let chain = plant.chain();
-    let campaign = Campaign::random(chain, 250, 11).expect("a campaign").shuffled(5);
-    let data = plant.measure(&campaign, 7).expect("data");
+    let data = plant.measure(campaign, 7).expect("data");
     let effects: Vec<Box<dyn AnyEffect>> =
         vec![Box::new(Geometric::default()), Box::new(JointCompliance::default())];
     let model = ErrorModel::new(chain.clone(), effects).expect("a model");
@@ -70,7 +74,7 @@ fn tool() -> Pose {
 }
 
 /// The controller's nominal flange in its base.
-fn flange(chain: &Chain, joints: &[f64]) -> Pose {
+pub fn flange(chain: &Chain, joints: &[f64]) -> Pose {
     chain.base().pose.inverse() * chain.forward(joints) * chain.tool().pose.inverse()
 }
 

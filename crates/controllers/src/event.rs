@@ -22,10 +22,12 @@ pub(crate) struct Visit {
     pub(crate) points: Vec<usize>,
     /// Whether the tool moves along a line or an arc.
     pub(crate) linear: bool,
+    /// Line of the motion, from 1.
+    pub(crate) line: usize,
 }
 
 impl Visit {
-    pub(crate) fn event(points: Vec<usize>, linear: bool) -> Event {
-        Event::Visit(Visit { points, linear })
+    pub(crate) fn event(points: Vec<usize>, linear: bool, line: usize) -> Event {
+        Event::Visit(Visit { points, linear, line })
     }
 }

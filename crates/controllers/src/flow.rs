@@ -1,17 +1,28 @@
-//! Which frame and tool are active at a statement, read line by line.
+//! Steps of a file, and which frame, tool and load are active at each, read line by line.
 //!
 //! A frame that is set inside a branch or a loop is known until the block ends. Behind the block, and in a loop in front of the statement
 //! that sets it, it is known only where every way through the block leaves the same one.
 
+use crate::event::{Event, Visit};
+use crate::note::Note;
 use crate::program::Reference;
 
-/// Frame and tool.
-pub(crate) type Active = [Reference; 2];
+/// Frame, tool and load.
+pub(crate) type Active = [Reference; 3];
 
 /// The frame's place in [`Active`].
 pub(crate) const FRAME: usize = 0;
 /// The tool's.
 pub(crate) const TOOL: usize = 1;
+/// The load's.
+pub(crate) const LOAD: usize = 2;
+/// All three.
+const ALL: [usize; 3] = [FRAME, TOOL, LOAD];
+
+/// None of the three is known, for this reason.
+pub(crate) fn unknown(why: &str) -> Active {
+    ALL.map(|_| Reference::Unknown(why.into()))
+}
 
 #[derive(Debug, Clone)]
 pub(crate) struct Flow {
@@ -36,13 +47,12 @@ struct Block {
     /// Motions from this one on are in the block.
     from: usize,
     /// The first motion behind the first change of each.
-    changed: [Option<usize>; 2],
+    changed: [Option<usize>; 3],
 }
 
 impl Flow {
     pub(crate) fn new(why: &str) -> Flow {
-        let unknown = || Reference::Unknown(why.into());
-        Flow { active: [unknown(), unknown()], blocks: Vec::new(), uses: Vec::new() }
+        Flow { active: unknown(why), blocks: Vec::new(), uses: Vec::new() }
     }
 
     /// A routine inside of another one begins, with this active; for [`Flow::leave`], what was before.
@@ -88,7 +98,7 @@ impl Flow {
             exits: Vec::new(),
             loops,
             from: self.uses.len(),
-            changed: [None, None],
+            changed: [None; 3],
         });
     }
 
@@ -101,7 +111,7 @@ impl Flow {
 
     pub(crate) fn close(&mut self) {
         let Some(block) = self.blocks.pop() else { return };
-        for which in [FRAME, TOOL] {
+        for which in ALL {
             let same =
                 block.exits.iter().chain([&self.active]).all(|exit| exit[which] == block.opened[which]);
             if same {
@@ -119,7 +129,7 @@ impl Flow {
     }
 }
 
-/// The one frame and tool of all uses of a point.
+/// The one frame, tool and load of all uses of a point.
 pub(crate) fn of_all<'a>(uses: impl Iterator<Item = &'a Active>, none: &Active) -> Active {
     let mut all: Option<Active> = None;
     for active in uses {
@@ -127,7 +137,7 @@ pub(crate) fn of_all<'a>(uses: impl Iterator<Item = &'a Active>, none: &Active) 
             all = Some(active.clone());
             continue;
         };
-        for which in [FRAME, TOOL] {
+        for which in ALL {
             if matches!(active[which], Reference::Excluded(_)) {
                 seen[which] = active[which].clone();
             }
@@ -140,4 +150,62 @@ pub(crate) fn of_all<'a>(uses: impl Iterator<Item = &'a Active>, none: &Active) 
         }
     }
     all.unwrap_or_else(|| none.clone())
+}
+
+/// What happens in a file before its points are known.
+#[derive(Debug, Clone)]
+pub(crate) enum Step {
+    /// A motion, by its number.
+    Motion(usize),
+    Begin(String),
+    End,
+    Call(String),
+    Control {
+        linear: bool,
+        followed: bool,
+    },
+    /// The robot moves without a destination.
+    Away {
+        linear: bool,
+        line: usize,
+    },
+}
+
+impl Step {
+    /// What happens, with the visits of each motion.
+    pub(crate) fn events(&self, visits: impl FnOnce(usize) -> Vec<Event>) -> Vec<Event> {
+        vec![match self {
+            Step::Motion(number) => return visits(*number),
+            Step::Begin(name) => Event::Begin(name.clone()),
+            Step::End => Event::End,
+            Step::Call(name) => Event::Call(name.clone()),
+            Step::Control { linear, followed } => Event::Control { linear: *linear, followed: *followed },
+            Step::Away { linear, line } => Visit::event(Vec::new(), *linear, *line),
+        }]
+    }
+}
+
+/// A motion without its destinations.
+#[derive(Debug, Clone)]
+pub(crate) struct Head {
+    /// From 1.
+    pub(crate) line: usize,
+    /// As written.
+    pub(crate) shown: String,
+    /// Along a line or an arc.
+    pub(crate) linear: bool,
+    /// Why it is not understood.
+    pub(crate) odd: Option<String>,
+}
+
+impl Head {
+    /// Of a motion in this file that stands against the program.
+    pub(crate) fn refusing(&self, file: usize, words: &str) -> Note {
+        Note { file, ..Note::refusing(self.line, self.shown.clone(), words.into()) }
+    }
+
+    /// Of a motion to a point without a value.
+    pub(crate) fn missing(&self, file: usize, point: &str) -> Note {
+        Note { file, ..Note::missing(self.line, self.shown.clone(), point.into()) }
+    }
 }

@@ -1,5 +1,6 @@
 #![doc = include_str!("../README.md")]
 
+mod backup;
 mod correct;
 mod dialect;
 mod error;
@@ -9,6 +10,7 @@ mod flow;
 mod inform;
 mod krl;
 mod lines;
+mod note;
 mod number;
 mod orientation;
 mod program;
@@ -19,8 +21,12 @@ mod tokens;
 mod urscript;
 mod val3;
 
-pub use correct::{CorrectOptions, Correction, Outcome, correct, correct_all, unused};
+pub use backup::{Role, linked};
+pub use correct::{
+    CorrectOptions, Correction, Outcome, Taught, Touched, correct, correct_all, is_stated, unused,
+};
 pub use dialect::Dialect;
 pub use error::ControllerError;
+pub use note::Note;
 pub use orientation::Orientation;
-pub use program::{Branch, Definitions, Note, Point, Program, Reference, Replacement, Value};
+pub use program::{Branch, Carried, Definitions, Point, Program, Reference, Replacement, Value};

@@ -1,10 +1,12 @@
 //! A program and its points, whatever its language.
 
 use crate::event::Event;
+use crate::note::Note;
 use crate::number::Slot;
 use crate::{ControllerError, Dialect, Orientation};
 use std::collections::BTreeMap;
 use truepose_kinematics::Pose;
+use truepose_kinematics::nalgebra::Vector3;
 
 /// A program, byte for byte, and what was read of it.
 #[derive(Debug, Clone)]
@@ -29,6 +31,8 @@ pub struct Point {
     pub value: Value,
     /// External axes with their values as written.
     pub external: Vec<(String, f64)>,
+    /// What the robot carries there.
+    pub carried: Carried,
     /// Why it must not be changed, whatever its value; none: it may.
     pub fixed: Option<String>,
     pub(crate) slots: Vec<Slot>,
@@ -85,6 +89,28 @@ impl Reference {
     }
 }
 
+/// What the robot carries at a point, as the program states it.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Carried {
+    /// It is not stated, or not clear, for this reason.
+    Open(String),
+    /// A load.
+    Mass {
+        /// As the program calls it.
+        name: String,
+        /// kg.
+        mass: f64,
+        /// Centre of gravity in the controller's flange, m.
+        com: Vector3<f64>,
+    },
+}
+
+impl Carried {
+    pub(crate) fn unstated() -> Carried {
+        Carried::Open("the program states none".into())
+    }
+}
+
 /// Data of the arm's configuration.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Branch {
@@ -129,10 +155,12 @@ pub enum Branch {
 #[derive(Debug, Clone, Default)]
 pub struct Definitions(pub(crate) BTreeMap<String, Definition>);
 
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Definition {
     Value(Pose),
     SameAs(String),
+    /// Mass, kg, and centre of gravity in the flange, m.
+    Load(f64, Vector3<f64>),
     /// It has a value that cannot be used, for this reason.
     Unusable(String),
     /// Its points are not compensated, whatever else is stated.
@@ -147,11 +175,7 @@ impl Definitions {
         }
         // A name with two values is neither.
         if let Some(old) = self.0.get(&name) {
-            let same = match (old, &definition) {
-                (Definition::Value(a), Definition::Value(b)) => a == b,
-                (Definition::SameAs(a), Definition::SameAs(b)) => a == b,
-                _ => false,
-            };
+            let same = *old == definition;
             if !same && !matches!(old, Definition::Excluded(_)) {
                 let words = format!("{name} has more than one value in the files given");
                 self.0.insert(name, Definition::Unusable(words));
@@ -170,13 +194,33 @@ impl Definitions {
         // Chains of names are short; a ring of them has no value.
         for _ in 0..8 {
             match self.0.get(name) {
-                None => return Ok(None),
+                None | Some(Definition::Load(..)) => return Ok(None),
                 Some(Definition::Value(pose)) => return Ok(Some(*pose)),
                 Some(Definition::Unusable(words) | Definition::Excluded(words)) => return Err(words.clone()),
                 Some(Definition::SameAs(other)) => name = other,
             }
         }
         Ok(None)
+    }
+
+    /// The load of a reference.
+    pub(crate) fn load(&self, reference: &Reference) -> Carried {
+        match reference {
+            Reference::Named(name) => {
+                let name = self.last_name(name);
+                // `GRIP.TLOAD` is the load of GRIP.
+                let shown = name.split('.').next().unwrap_or(name);
+                match self.0.get(name) {
+                    Some(Definition::Load(mass, com)) => {
+                        Carried::Mass { name: shown.into(), mass: *mass, com: *com }
+                    }
+                    Some(Definition::Unusable(words)) => Carried::Open(words.clone()),
+                    _ => Carried::Open(format!("the load of {shown} has no value in the files given")),
+                }
+            }
+            Reference::Unknown(words) => Carried::Open(words.clone()),
+            _ => Carried::unstated(),
+        }
     }
 
     /// Why points with this frame or tool are not compensated, whatever else is stated.
@@ -197,43 +241,6 @@ impl Definitions {
             }
         }
         name
-    }
-}
-
-/// A statement about the program that is not about one of its points.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Note {
-    /// From 1.
-    pub line: usize,
-    /// What it is about.
-    pub name: String,
-    /// In words.
-    pub words: String,
-    /// Whether a compensated program would move otherwise than it says: a position that is computed from a point.
-    pub refuses: bool,
-    /// The point to which a motion goes and which has no value in the files given.
-    pub missing: Option<String>,
-    /// What the robot carries, as the program states it.
-    pub load: bool,
-    /// The file of the line: 0 is the program, 1 the first of the further files.
-    pub file: usize,
-}
-
-impl Note {
-    /// Of a motion to a point without a value.
-    pub(crate) fn missing(line: usize, name: String, point: String) -> Note {
-        let words = format!("{point} has no value in the files given");
-        Note { line, name, words, refuses: false, missing: Some(point), load: false, file: 0 }
-    }
-
-    /// Of a load that the program states.
-    pub(crate) fn load(line: usize, words: String) -> Note {
-        Note { line, name: String::new(), words, refuses: false, missing: None, load: true, file: 0 }
-    }
-
-    /// Of a position that is computed while the program runs, or a motion that is not understood.
-    pub(crate) fn refusing(line: usize, name: String, words: String) -> Note {
-        Note { line, name, words, refuses: true, missing: None, load: false, file: 0 }
     }
 }
 
@@ -266,6 +273,14 @@ impl Program {
     /// Frames and tools whose values stand in the files.
     pub fn definitions(&self) -> &Definitions {
         &self.definitions
+    }
+
+    /// Motions of this file: their lines, and the points to which they go.
+    pub fn motions(&self) -> impl Iterator<Item = (usize, &[usize])> {
+        self.route.first().into_iter().flatten().filter_map(|event| match event {
+            Event::Visit(visit) => Some((visit.line, visit.points.as_slice())),
+            _ => None,
+        })
     }
 
     /// Of each point, whether a motion of the files goes to it.
@@ -322,6 +337,21 @@ impl Program {
 }
 
 impl Point {
+    /// Without a value yet.
+    pub(crate) fn new(name: String, line: usize) -> Point {
+        Point {
+            name,
+            line,
+            value: Value::Joints(Vec::new()),
+            external: Vec::new(),
+            carried: Carried::unstated(),
+            fixed: None,
+            slots: Vec::new(),
+            written: Vec::new(),
+            turns: Vec::new(),
+        }
+    }
+
     /// Byte ranges of its numbers.
     pub fn ranges(&self) -> impl Iterator<Item = std::ops::Range<usize>> + '_ {
         self.slots.iter().chain(&self.turns).map(|slot| slot.range.clone())

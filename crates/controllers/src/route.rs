@@ -164,7 +164,7 @@ mod tests {
     }
 
     fn visit(points: &[usize]) -> Event {
-        Visit::event(points.to_vec(), true)
+        Visit::event(points.to_vec(), true, 1)
     }
 
     #[test]

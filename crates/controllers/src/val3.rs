@@ -39,7 +39,8 @@ pub(crate) fn read(text: &[u8], others: &[&[u8]]) -> Result<Program, ControllerE
         };
         definitions.put(name.clone(), definition);
     }
-    let route = vec![(0..points.len()).map(|k| Visit::event(vec![k], false)).collect()];
+    let visit = |(k, point): (usize, &Point)| Visit::event(vec![k], false, point.line);
+    let route = vec![points.iter().enumerate().map(visit).collect()];
     Ok(Program { dialect: Dialect::Val3, text: text.to_vec(), points, definitions, route, notes: Vec::new() })
 }
 
@@ -78,7 +79,9 @@ fn file(text: &[u8], frames: &mut Frames) -> Result<Vec<Point>, ControllerError>
                 let name = format!("{name}[{key}]");
                 match kind.as_str() {
                     "pointRx" | "pointRs" | "point" => points.push(point(text, name, &tag)),
-                    "jointRx" | "joint" => points.push(joints(text, name, &tag)),
+                    "jointRx" | "joint" => points.push(joints(text, name, &tag, &JOINTS)),
+                    // Of arms with four axes.
+                    "jointRs" => points.push(joints(text, name, &tag, &JOINTS[..4])),
                     "frame" | "tool" => {
                         let root = if kind == "frame" { "world[0]" } else { "flange[0]" };
                         let father = tag.shown(text, "fatherId").unwrap_or_else(|| root.into());
@@ -110,19 +113,6 @@ fn numbers(text: &[u8], tag: &Tag<'_>, names: &[&str]) -> Option<Vec<f64>> {
     names.iter().map(one).collect()
 }
 
-fn empty(name: String, tag: &Tag<'_>) -> Point {
-    Point {
-        name,
-        line: tag.line,
-        value: Value::Joints(Vec::new()),
-        external: Vec::new(),
-        fixed: None,
-        slots: Vec::new(),
-        written: Vec::new(),
-        turns: Vec::new(),
-    }
-}
-
 fn slots(tag: &Tag<'_>, names: &[&'static str], least: [usize; 6]) -> Vec<Slot> {
     let behind = names.iter().filter_map(|name| tag.value(name)).map(|range| range.end + 1).max();
     let behind = behind.unwrap_or(tag.behind_name);
@@ -134,7 +124,7 @@ fn slots(tag: &Tag<'_>, names: &[&'static str], least: [usize; 6]) -> Vec<Slot> 
 }
 
 fn point(text: &[u8], name: String, tag: &Tag<'_>) -> Point {
-    let mut point = empty(name, tag);
+    let mut point = Point::new(name, tag.line);
     point.written = numbers(text, tag, &POSE).unwrap_or_default();
     let Some(pose) = Dialect::Val3.pose(&point.written) else {
         point.fixed = Some("it is not made of numbers".into());
@@ -167,11 +157,11 @@ fn point(text: &[u8], name: String, tag: &Tag<'_>) -> Point {
     point
 }
 
-fn joints(text: &[u8], name: String, tag: &Tag<'_>) -> Point {
-    let mut point = empty(name, tag);
-    match numbers(text, tag, &JOINTS) {
+fn joints(text: &[u8], name: String, tag: &Tag<'_>, names: &[&'static str]) -> Point {
+    let mut point = Point::new(name, tag.line);
+    match numbers(text, tag, names) {
         Some(numbers) => {
-            point.slots = slots(tag, &JOINTS, [5; 6]);
+            point.slots = slots(tag, names, [5; 6]);
             point.value = Value::Joints(numbers);
         }
         None => point.fixed = Some("it is not made of numbers".into()),

@@ -61,6 +61,17 @@ pub enum Prior {
     Fleet(Input),
 }
 
+/// A frame or tool of a program, and the file of the points at which it was taught.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TaughtFrom {
+    /// Of the frame or tool.
+    pub name: String,
+    /// The points.
+    pub file: Input,
+    /// The tool that touched, where it is named.
+    pub tool: Option<String>,
+}
+
 impl Prior {
     /// How strongly expected sizes count where there is no fleet.
     pub fn strength(&self) -> truepose_identify::PriorStrength {
@@ -149,6 +160,7 @@ impl Files {
                 Prior::Fleet(file) => Some(named(file)),
                 Prior::Sizes(_) => None,
             }));
+            files.read.extend(values::<TaughtFrom>(argument, matches).map(|taught| named(&taught.file)));
             files.written.extend(values::<Output>(argument, matches).map(|file| named(file)));
             files.written.extend(
                 values::<Record>(argument, matches).map(|file| NamedFile { again: true, ..named(file) }),
@@ -227,6 +239,9 @@ mod tests {
         let prior = of(&["identify", "--robot", "r", "--data", "-", "--prior", "a.json", "--report", "x"]);
         assert_eq!(options(&prior.read), ["--robot", "--data", "--prior"]);
         assert_eq!(options(&prior.folders), ["--report"]);
+        let words = "compensate --fit f --program j.ls --taught UF1=p.csv,UT9 --out o.ls";
+        let taught = of(&words.split(' ').collect::<Vec<_>>());
+        assert_eq!(options(&taught.read), ["--fit", "--program", "--taught"]);
         let fleet = of(&["fleet", "a.json", "b.json", "--out", "c.json"]);
         assert_eq!(options(&fleet.read), ["FIT", "FIT"]);
         let monitor = of(&["monitor", "--fit", "f", "--data", "d", "--history", "h", "--page", "p"]);
@@ -241,6 +256,7 @@ mod tests {
             TypeId::of::<OutputFolder>(),
             TypeId::of::<Record>(),
             TypeId::of::<Prior>(),
+            TypeId::of::<TaughtFrom>(),
         ];
         for verb in Args::whole().get_subcommands() {
             for argument in verb.get_arguments() {

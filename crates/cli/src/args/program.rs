@@ -1,6 +1,6 @@
 //! Options of `truepose compensate --program`.
 
-use super::files::Input;
+use super::files::{Input, TaughtFrom};
 use super::values::{Place, parse_length, parse_place, parse_position};
 use truepose_controllers::Dialect;
 use truepose_kinematics::Pose;
@@ -9,7 +9,8 @@ use truepose_kinematics::Pose;
 #[derive(Debug, Default, clap::Args)]
 pub struct RobotProgram {
     /// Robot program whose points are replaced by compensated ones, instead of poses: KUKA .src .dat, ABB .mod, FANUC .ls, Universal Robots
-    /// .script, Yaskawa .jbi, Stäubli .dtx
+    /// .script, Yaskawa .jbi, Stäubli .dtx. A folder is a controller's backup: all its programs, with its frames, tools and loads, are
+    /// written into the folder --out
     #[arg(long, value_name = "FILE", conflicts_with_all = ["poses", "joints", "cartesian"])]
     pub program: Option<Input>,
     /// Further file of the program with motions, declarations or frames; repeat the option for each. Its points are compensated, too, and
@@ -19,6 +20,16 @@ pub struct RobotProgram {
     /// Language of the program: krl, rapid, fanuc, urscript, inform, val3 [default: by the ending of its name]
     #[arg(long, value_name = "LANGUAGE", value_parser = parse_language, requires = "program")]
     pub language: Option<Dialect>,
+    /// Frame or tool of the program that was taught by touching with the uncorrected robot, and the joints at which it was touched, e.g.
+    /// UF1=points.csv (one row a point: origin, x, xy), UF1=points.csv,UT9 (touched with UT9), UT1=tip.csv (one tip, four postures)
+    #[arg(long, value_name = "NAME=FILE[,TOOL]", value_parser = parse_taught, requires = "program")]
+    pub taught: Vec<TaughtFrom>,
+    /// Frame or tool of the program that was measured, e.g. with a laser tracker: it is where the program has it; repeat for each
+    #[arg(long, value_name = "NAME", requires = "program")]
+    pub measured: Vec<String>,
+    /// Frame or tool of the program that is that of a drawing in the robot's base; repeat for each
+    #[arg(long, value_name = "NAME", requires = "program")]
+    pub cad: Vec<String>,
     /// Largest correction of a point of the program, mm
     #[arg(long, value_name = "MM", default_value = "10", value_parser = parse_limit, requires = "program", allow_hyphen_values = true)]
     pub limit: f64,
@@ -47,7 +58,7 @@ pub struct RobotProgram {
         allow_hyphen_values = true
     )]
     pub start: Vec<f64>,
-    /// Mass carried while the program runs, kg
+    /// Mass carried while the program runs, kg [default: what the program states, where the fit has loads]
     #[arg(long, value_name = "KG", requires = "program", allow_negative_numbers = true)]
     pub payload: Option<f64>,
     /// Its centre of gravity in the frame of the measurements' tool, e.g. 0mm,0mm,80mm
@@ -94,6 +105,17 @@ pub(crate) fn parse_given(text: &str) -> Result<GivenPlace, String> {
         }
         _ => Ok(GivenPlace { name: None, place: parse_place(text)? }),
     }
+}
+
+/// `UF1=points.csv`, `UF1=points.csv,UT9`.
+fn parse_taught(text: &str) -> Result<TaughtFrom, String> {
+    let needed = || "a frame and a file are needed, as in UF1=points.csv or UF1=points.csv,UT9".to_owned();
+    let (name, rest) = text.split_once('=').ok_or_else(needed)?;
+    let (file, tool) = rest.rsplit_once(',').map_or((rest, None), |(file, tool)| (file, Some(tool.trim())));
+    if [name, file, tool.unwrap_or("T")].iter().any(|part| part.trim().is_empty()) {
+        return Err(needed());
+    }
+    Ok(TaughtFrom { name: name.trim().into(), file: file.trim().into(), tool: tool.map(Into::into) })
 }
 
 fn parse_pose(text: &str) -> Result<Pose, String> {

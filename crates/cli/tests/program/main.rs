@@ -9,6 +9,7 @@
 #![cfg_attr(not(feature = "slow"), allow(dead_code, unused_imports))]
 
 mod acceptance;
+mod backup;
 mod columns;
 mod contacts;
 mod coupled;
@@ -44,6 +45,7 @@ mod side_by_side;
 mod simulated;
 mod stream;
 mod surface;
+mod taught;
 mod unmoved;
 mod upkeep;
 mod wording;

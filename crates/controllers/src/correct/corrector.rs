@@ -8,16 +8,18 @@ use super::frames::Frames;
 use super::inverse::{Inverse, NOT_KNOWN};
 use super::options::CorrectOptions;
 use super::outside::outside;
+use super::placed::{Placed, Stays};
 use super::signals::signals;
 use super::singular::singular;
-use crate::program::{Branch, Point, Program, Replacement, Value};
+use super::taught::Learned;
+use crate::program::{Branch, Carried, Point, Program, Replacement, Value};
 use crate::{ControllerError, Dialect};
 use truepose_compensate::{
     Compensator, CompensatorOptions, Installation, Status, Target, correction_helps, installation, radius_95,
 };
 use truepose_errormodel::{Channel, Coverage, FittedModel};
 use truepose_kinematics::nalgebra::Matrix3;
-use truepose_kinematics::{Chain, Conditions, JointKind, Pose, PostureBuffer, rotation_log};
+use truepose_kinematics::{Chain, Conditions, JointKind, Load, Payload, Pose, PostureBuffer, rotation_log};
 
 /// Corrects the points of one program.
 pub(super) struct Corrector<'m> {
@@ -28,6 +30,7 @@ pub(super) struct Corrector<'m> {
     installation: Installation,
     noise: Matrix3<f64>,
     frames: Frames<'m>,
+    learned: &'m Learned,
     external: &'m External,
     arms: &'m Arms,
     /// Of each arm that was needed.
@@ -40,36 +43,13 @@ pub(super) struct Corrector<'m> {
     channels: Vec<Channel>,
 }
 
-/// Why a point stays as it is.
-struct Stays {
-    outcome: Outcome,
-    reason: String,
-}
-
-impl From<String> for Stays {
-    fn from(reason: String) -> Stays {
-        Stays { outcome: Outcome::Refused, reason }
-    }
-}
-
-/// A pose of the program with what it is in.
-struct Placed {
-    pose: Pose,
-    /// `K · F`.
-    before: Pose,
-    /// `G · X`.
-    behind: Pose,
-    branch: Branch,
-    /// Whether the branch is that of the joints.
-    stated: bool,
-}
-
 impl<'m> Corrector<'m> {
     pub(super) fn new(
         program: &'m Program,
         fitted: &'m FittedModel,
         external: &'m External,
         arms: &'m Arms,
+        learned: &'m Learned,
         options: &'m CorrectOptions,
     ) -> Result<Self, ControllerError> {
         let chain = fitted.chain();
@@ -87,6 +67,7 @@ impl<'m> Corrector<'m> {
             installation: installation(fitted)?,
             noise: Matrix3::identity() * fitted.noise.position_sd.powi(2),
             frames: Frames::new(program, options)?,
+            learned,
             external,
             arms,
             inverses: arms.all().iter().map(|_| None).collect(),
@@ -169,16 +150,19 @@ impl<'m> Corrector<'m> {
                     )
                     .into());
                 }
-                let frame = self.frames.frame(frame)?;
-                let tool = self.frames.tool(tool)?;
+                let names = (self.frames.name(frame), self.frames.name(tool));
+                let (frame, tool) = (self.frames.frame(frame)?, self.frames.tool(tool)?);
+                let real = (self.learned.frame(names.0, frame), self.learned.tool(names.1, tool));
+                let (base, flange) = (self.options.controller_base, self.options.controller_flange);
                 let mut placed = Placed {
                     pose: *pose,
-                    before: self.options.controller_base * frame,
-                    behind: self.options.controller_flange * tool,
+                    before: base * frame,
+                    behind: flange * tool,
+                    real: [base * real.0, flange * real.1],
                     branch: branch.clone(),
                     stated: false,
                 };
-                let flange = placed.before * placed.pose * placed.behind.inverse();
+                let flange = placed.flange();
                 let before = before.of(|joints| self.external.of_robot(joints));
                 let inverse = self.inverse()?;
                 let joints = inverse.joints(&flange, branch, travel, &before);
@@ -252,12 +236,14 @@ impl<'m> Corrector<'m> {
         correction: &mut Correction,
     ) -> Result<(), Stays> {
         let flange = match placed {
-            Some(placed) => placed.before * placed.pose * placed.behind.inverse(),
+            Some(placed) => placed.flange(),
             None => self.flange(joints),
         };
-        let desired = self.installation.base * flange * self.installation.tool;
+        let meant = placed.map_or(flange, Placed::meant);
+        let desired = self.installation.base * meant * self.installation.tool;
         correction.desired = Some(desired.translation.into());
         self.conditions.joints = joints.to_vec();
+        self.conditions.load = self.load(&point.carried);
         let here = self.coverage.judge(&self.conditions, None);
         outside(self.fitted, &self.channels, &self.conditions, &here.beyond)?;
         let error = here.pose.translation - desired.translation;
@@ -318,6 +304,17 @@ impl<'m> Corrector<'m> {
         correction.replacement = Some(self.replacement(point, &found, &new, placed)?);
         correction.outcome = Outcome::Corrected;
         Ok(())
+    }
+
+    /// What the robot carries at a point.
+    fn load(&self, carried: &Carried) -> Load {
+        match carried {
+            Carried::Mass { mass, com, .. } if self.options.program_loads => {
+                let in_tool = self.installation.tool.inverse() * self.options.controller_flange;
+                Load::Payload(Payload { mass: *mass, com: in_tool.apply(com) })
+            }
+            _ => self.options.load,
+        }
     }
 
     /// Joints that bring the real robot there.

@@ -7,7 +7,7 @@ use std::collections::BTreeSet;
 use truepose_kinematics::Pose;
 
 /// Names of the frames and tools of a program's points.
-fn used(program: &Program) -> [BTreeSet<String>; 2] {
+pub(super) fn used(program: &Program) -> [BTreeSet<String>; 2] {
     let mut used: [BTreeSet<String>; 2] = Default::default();
     for point in program.points() {
         if let Value::Pose { frame, tool, .. } = &point.value {
@@ -21,8 +21,8 @@ fn used(program: &Program) -> [BTreeSet<String>; 2] {
     used
 }
 
-/// Frames and tools of the options that no point of the programs uses, in words.
-pub fn unused(programs: &[Program], options: &CorrectOptions) -> Vec<String> {
+/// Frames and tools of the options that no point of the programs uses: name, and in words.
+pub fn unused(programs: &[Program], options: &CorrectOptions) -> Vec<(String, String)> {
     let all: Vec<[BTreeSet<String>; 2]> = programs.iter().map(used).collect();
     let mut found = Vec::new();
     for (which, given) in [&options.frames, &options.tools].into_iter().enumerate() {
@@ -31,10 +31,24 @@ pub fn unused(programs: &[Program], options: &CorrectOptions) -> Vec<String> {
         let known: Vec<&str> = names.iter().copied().collect();
         let known = if known.is_empty() { "none".into() } else { known.join(", ") };
         for (name, _) in given.iter().filter(|(name, _)| !names.iter().any(|other| same(other, name))) {
-            found.push(format!("no point of the program uses the {kind} `{name}` (used by name: {known})"));
+            let words = format!("no point of the program uses the {kind} `{name}` (used by name: {known})");
+            found.push((name.clone(), words));
         }
     }
+    let given = options.taught.iter().map(|taught| &taught.name).chain(&options.stated);
+    for name in given.filter(|name| !all.iter().flatten().flatten().any(|other| same(other, name))) {
+        let words =
+            format!("no point of the program uses the frame or tool `{name}` (--taught, --measured, --cad)");
+        found.push((name.clone(), words));
+    }
     found
+}
+
+/// The frames of points, in the words of tables, that are stated to be taught, measured, or those of a drawing.
+pub fn is_stated(name: &str, program: &Program, options: &CorrectOptions) -> bool {
+    let name = program.definitions().last_name(name);
+    let mut given = options.taught.iter().map(|taught| &taught.name).chain(&options.stated);
+    given.any(|other| same(other, name))
 }
 
 pub(super) struct Frames<'p> {
@@ -74,6 +88,14 @@ impl<'p> Frames<'p> {
     /// A tool in the controller's flange.
     pub(super) fn tool(&self, reference: &Reference) -> Result<Pose, String> {
         self.value(reference, 1, &self.options.tools, self.options.tool).map(|(pose, _)| pose)
+    }
+
+    /// The last name of a frame or tool.
+    pub(super) fn name<'a>(&'a self, reference: &'a Reference) -> Option<&'a str> {
+        match reference {
+            Reference::Named(name) => Some(self.program.definitions().last_name(name)),
+            _ => None,
+        }
     }
 
     /// The value, and whether it is an option's.
@@ -122,7 +144,7 @@ impl<'p> Frames<'p> {
 }
 
 /// Names without their blanks, in any case: `UF 1` is `UF1`.
-fn same(a: &str, b: &str) -> bool {
+pub(super) fn same(a: &str, b: &str) -> bool {
     let plain = |name: &str| name.to_ascii_uppercase().replace(' ', "");
     plain(a) == plain(b)
 }

@@ -13,6 +13,7 @@
 //! | B E_0, tool E_tool | [`Installation`] | m | measurement; last joint |
 //! | A | the nominal joints alone | m | description's base |
 //!
+//! A taught frame or tool has the robot's errors in it: the desired tool is then that of the real F and X, see `taught`.
 //! A point near a singularity of the wrist stays as it is, one near another singularity is refused, see `singular`.
 
 mod before;
@@ -25,13 +26,15 @@ mod inverse;
 mod near;
 mod options;
 mod outside;
+mod placed;
 mod signals;
 mod singular;
 mod solutions;
+mod taught;
 
 pub use correction::{Correction, Outcome};
-pub use frames::unused;
-pub use options::CorrectOptions;
+pub use frames::{is_stated, unused};
+pub use options::{CorrectOptions, Taught, Touched};
 
 use crate::ControllerError;
 use crate::program::{Branch, Point, Program, Value};
@@ -39,6 +42,7 @@ use crate::route::route;
 use before::{Before, Travel};
 use corrector::Corrector;
 use external::{Arms, External};
+use taught::Learned;
 use truepose_errormodel::{ErrorModel, FittedModel};
 use truepose_kinematics::Chain;
 use truepose_kinematics::nalgebra::DMatrix;
@@ -75,7 +79,8 @@ pub fn correct_all(
     }
     let external = External::new(chain, options)?;
     let arms = Arms::of(chain, &external, programs, options)?;
-    let new = |program| Corrector::new(program, fitted, &external, &arms, options);
+    let learned = Learned::new(programs, fitted, options)?;
+    let new = |program| Corrector::new(program, fitted, &external, &arms, &learned, options);
     let mut correctors = programs.iter().map(new).collect::<Result<Vec<_>, _>>()?;
     let Some(first) = correctors.first() else { return Ok(Vec::new()) };
     let start = first.start()?.map(Before::at).unwrap_or_default();

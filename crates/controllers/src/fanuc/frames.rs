@@ -1,4 +1,4 @@
-//! Frames and tools of a controller: its system variables as text (`SYSFRAME.VA`).
+//! Frames, tools and payloads of a controller: its system variables as text (`SYSFRAME.VA`, `SYMOTN.VA`).
 //!
 //! ```text
 //! [*SYSTEM*]$MNUFRAME  …  : ARRAY[1,10] OF POSITION
@@ -7,20 +7,39 @@
 //!   W:     0.000   P:     0.000   R:    90.000
 //! ```
 //!
-//! `$MNUFRAME[1,n]` is the user frame n, `$MNUTOOL[1,n]` the tool n.
+//! `$MNUFRAME[1,n]` is the user frame n, `$MNUTOOL[1,n]` the tool n. Payload schedule n is in kg and cm:
+//!
+//! ```text
+//!      Field: $PLST_GRP1[2].$PAYLOAD Access: RW: REAL = 1.480000e+02
+//!      Field: $PLST_GRP1[2].$PAYLOAD_X Access: RW: REAL = 0.000000e+00        _Y, _Z
+//! ```
 
 use crate::Dialect;
 use crate::lines::lines;
 use crate::number::number_at;
 use crate::program::{Definition, Definitions};
+use std::collections::BTreeMap;
+use truepose_kinematics::nalgebra::Vector3;
 
 /// Whether a text is one of these.
 pub(super) fn is(text: &[u8]) -> bool {
-    lines(text).iter().any(|line| variable(line.bytes).is_some())
+    lines(text).iter().any(|line| variable(line.bytes).is_some() || payload(line.trimmed()).is_some())
 }
 
-/// `UF1`, `UT1`, … with their values.
+/// `UF1`, `UT1`, `PAYLOAD[1]`, … with their values.
 pub(super) fn read(text: &[u8], definitions: &mut Definitions) {
+    let mut payloads: BTreeMap<u32, [f64; 4]> = BTreeMap::new();
+    for (number, part, value) in lines(text).iter().filter_map(|line| payload(line.trimmed())) {
+        payloads.entry(number).or_insert([f64::NAN; 4])[part] = value;
+    }
+    for (number, [mass, x, y, z]) in payloads {
+        let name = format!("PAYLOAD[{number}]");
+        let load = match mass >= 0.0 && [x, y, z].iter().all(|v| v.is_finite()) {
+            true => Definition::Load(mass, 1e-2 * Vector3::new(x, y, z)),
+            false => Definition::Unusable(format!("{name} is not set")),
+        };
+        definitions.put(name, load);
+    }
     let mut kind: Option<&str> = None;
     let mut at: Option<(String, Vec<f64>)> = None;
     for line in lines(text) {
@@ -49,6 +68,21 @@ fn variable(bytes: &[u8]) -> Option<&'static str> {
         "$MNUTOOL" => Some("UT"),
         _ => None,
     }
+}
+
+/// Schedule, part (mass, x, y, z) and value of a payload.
+fn payload(bytes: &[u8]) -> Option<(u32, usize, f64)> {
+    let text = std::str::from_utf8(bytes).ok()?;
+    let (number, rest) = text.strip_prefix("Field: $PLST_GRP1[")?.split_once("].$PAYLOAD")?;
+    let part = match rest.split_whitespace().next()? {
+        "Access:" => 0,
+        "_X" => 1,
+        "_Y" => 2,
+        "_Z" => 3,
+        _ => return None,
+    };
+    let value = rest.rsplit_once('=')?.1.trim();
+    Some((number.trim().parse().ok()?, part, value.parse().ok()?))
 }
 
 /// The number of `[1,2] = …`; those of other groups are none.

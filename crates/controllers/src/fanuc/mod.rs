@@ -58,9 +58,14 @@ pub(crate) fn read(text: &[u8], others: &[&[u8]]) -> Result<Program, ControllerE
             points[k].fixed.get_or_insert_with(|| words.clone());
         }
     }
-    let visit = |&(number, linear): &(Option<i64>, bool)| {
+    for (number, load) in &motions.carried {
+        if let Some(&k) = place.get(number) {
+            points[k].carried = definitions.load(load);
+        }
+    }
+    let visit = |&(number, linear, line): &(Option<i64>, bool, usize)| {
         let at = number.and_then(|number| place.get(&number).copied());
-        Visit::event(at.into_iter().collect(), linear)
+        Visit::event(at.into_iter().collect(), linear, line)
     };
     let route = vec![motions.reached.iter().map(visit).collect()];
     Ok(Program {

@@ -1,16 +1,22 @@
 //! Instructions: which points are reached, and which are displaced on the way.
 
 use crate::lines::Line;
-use crate::program::Note;
-use std::collections::BTreeSet;
+use crate::note::Note;
+use crate::program::Reference;
+use std::collections::{BTreeMap, BTreeSet};
 
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(super) struct Motions {
-    /// Numbers of the points in the order of the program (none: another place), and whether the way is a line or an arc.
-    pub(super) reached: Vec<(Option<i64>, bool)>,
+    /// Numbers of the points in the order of the program (none: another place), whether the way is a line or an arc, and the line.
+    pub(super) reached: Vec<(Option<i64>, bool, usize)>,
     /// Points that an instruction displaces, and why.
     pub(super) displaced: Vec<(i64, String)>,
+    /// Points with the payload that is active at a motion to them.
+    pub(super) carried: BTreeMap<i64, Reference>,
     pub(super) notes: Vec<Note>,
+    payload: Reference,
+    /// Whether lines are left out or run in another order.
+    jumps: bool,
     /// Numbers of the points that have a value.
     known: BTreeSet<i64>,
 }
@@ -117,7 +123,15 @@ const ACTIONS: [&str; 12] =
     ["TA", "TB", "DB", "TIME", "ZEIT", "TEMPS", "TIEMPO", "CALL", "AUFRUF", "DO", "DISTANCE", "POINT_LOGIC"];
 
 pub(super) fn read(lines: &[Line<'_>], known: &[i64]) -> Motions {
-    let mut found = Motions { known: known.iter().copied().collect(), ..Motions::default() };
+    let mut found = Motions {
+        reached: Vec::new(),
+        displaced: Vec::new(),
+        carried: BTreeMap::new(),
+        notes: Vec::new(),
+        payload: Reference::Unknown("no PAYLOAD is before it".into()),
+        jumps: false,
+        known: known.iter().copied().collect(),
+    };
     let mut statement: Vec<u8> = Vec::new();
     let mut begun = 0;
     for line in lines {
@@ -133,6 +147,10 @@ pub(super) fn read(lines: &[Line<'_>], known: &[i64]) -> Motions {
         statement.push(b' ');
     }
     found.statement(&statement, begun);
+    if found.jumps && found.carried.values().any(|load| *load != found.payload) {
+        let unknown = Reference::Unknown("the program jumps, and has several PAYLOADs".into());
+        found.carried.values_mut().for_each(|load| load.clone_from(&unknown));
+    }
     found
 }
 
@@ -147,9 +165,22 @@ impl Motions {
         let goes = rest.trim_start().starts_with("P[") || rest.trim_start().starts_with("PR[");
         if goes {
             self.motion(rest, text, line);
-        } else if ["PAYLOAD", "TRAGLST"].iter().any(|word| text.starts_with(word)) {
-            self.notes.push(Note::load(line, shown(text)));
-        } else if references(text).iter().any(|name| name.0 == "P") {
+        } else if let Some(rest) = ["PAYLOAD[", "TRAGLST["].iter().find_map(|word| text.strip_prefix(word)) {
+            let number = rest.split(']').next().and_then(|number| number.trim().parse::<u32>().ok());
+            let computed = || Reference::Unknown(format!("{} in line {line} is computed", shown(text)));
+            self.payload =
+                number.map_or_else(computed, |number| Reference::Named(format!("PAYLOAD[{number}]")));
+        } else if text.starts_with("JMP") || text.starts_with("IF") || text.starts_with("SELECT") {
+            self.jumps = true;
+            self.odd(text, line);
+        } else {
+            self.odd(text, line);
+        }
+    }
+
+    /// A statement that is no motion.
+    fn odd(&mut self, text: &str, line: usize) {
+        if references(text).iter().any(|name| name.0 == "P") {
             let words = match text.starts_with("PR[") {
                 true => {
                     "a position register is computed from a point: from a compensated one it comes out displaced"
@@ -187,15 +218,19 @@ impl Motions {
         for (list, number) in all.into_iter().take(places) {
             match number.filter(|_| list == "P") {
                 Some(number) if !self.known.contains(&number) => {
-                    self.reached.push((None, linear));
+                    self.reached.push((None, linear, line));
                     self.notes.push(Note::missing(line, shown(text), format!("P[{number}]")));
                 }
                 Some(number) => {
-                    self.reached.push((Some(number), linear));
+                    let load = self.carried.entry(number).or_insert_with(|| self.payload.clone());
+                    if *load != self.payload {
+                        *load = Reference::Unknown("it is used with several PAYLOADs".into());
+                    }
+                    self.reached.push((Some(number), linear, line));
                     self.displaced.extend(why.clone().map(|words| (number, words)));
                 }
                 None => {
-                    self.reached.push((None, linear));
+                    self.reached.push((None, linear, line));
                     let number = number.map_or("…".into(), |number| number.to_string());
                     self.notes.push(Note::missing(line, shown(text), format!("{list}[{number}]")));
                 }

@@ -57,16 +57,7 @@ fn position(at: &mut Cursor<'_>) -> Result<Point, ControllerError> {
         return Err(syntax(at.text, begin, "a position is not closed with };"));
     }
     let inside = &at.tokens[open..at.at - 2];
-    let mut point = Point {
-        name: format!("P[{number:.0}]"),
-        line,
-        value: Value::Joints(Vec::new()),
-        external: Vec::new(),
-        fixed: None,
-        slots: Vec::new(),
-        written: Vec::new(),
-        turns: Vec::new(),
-    };
+    let mut point = Point::new(format!("P[{number:.0}]"), line);
     groups(at.text, inside, &mut point);
     Ok(point)
 }

@@ -13,8 +13,9 @@ mod frames;
 
 use crate::event::{Event, Visit};
 use crate::lines::{Line, lines};
+use crate::note::Note;
 use crate::number::{Form, Slot, number_at};
-use crate::program::{Branch, Definitions, Note, Point, Reference, Value};
+use crate::program::{Branch, Definitions, Point, Reference, Value};
 use crate::{ControllerError, Dialect, Program};
 use std::collections::HashMap;
 
@@ -36,7 +37,9 @@ pub(crate) fn read(text: &[u8], others: &[&[u8]]) -> Result<Program, ControllerE
     if let Some(pos) = head("//POS").filter(|&pos| pos < inst) {
         let mut state = State::default();
         for line in &lines[pos + 1..inst] {
-            points.extend(state.line(text, line));
+            let tool = Reference::Named(format!("{}.W", state.tool()));
+            let point = state.line(text, line);
+            points.extend(point.map(|point| Point { carried: definitions.load(&tool), ..point }));
         }
     }
     let mut job =
@@ -62,7 +65,7 @@ pub(crate) fn read(text: &[u8], others: &[&[u8]]) -> Result<Program, ControllerE
     })
 }
 
-/// What the lines before say of the positions that follow.
+/// What the lines before state about the positions that follow.
 #[derive(Debug, Default)]
 struct State {
     kind: String,
@@ -88,18 +91,14 @@ impl State {
         let equals = line.bytes.iter().position(|&byte| byte == b'=')?;
         let name = String::from_utf8_lossy(line.bytes[..equals].trim_ascii()).into_owned();
         key(&name)?;
-        let mut point = Point {
-            name,
-            line: line.number,
-            value: Value::Joints(Vec::new()),
-            external: Vec::new(),
-            fixed: None,
-            slots: Vec::new(),
-            written: Vec::new(),
-            turns: Vec::new(),
-        };
+        let mut point = Point::new(name, line.number);
         self.fill(text, line.fields(equals + 1), &mut point);
         Some(point)
+    }
+
+    /// Several tools are listed where the job has several groups: the first is the robot's.
+    fn tool(&self) -> String {
+        format!("TOOL {}", self.tool.split(',').next().unwrap_or("").trim())
     }
 
     fn fill(&self, text: &[u8], fields: Vec<std::ops::Range<usize>>, point: &mut Point) {
@@ -136,12 +135,9 @@ impl State {
                 return;
             }
         };
-        let tool = if self.tool.is_empty() {
-            Reference::Unknown("///TOOL is absent".into())
-        } else {
-            // Several tools are listed where the job has several groups: the first is the robot's.
-            let first = self.tool.split(',').next().unwrap_or("").trim();
-            Reference::Named(format!("TOOL {first}"))
+        let tool = match self.tool.is_empty() {
+            true => Reference::Unknown("///TOOL is absent".into()),
+            false => Reference::Named(self.tool()),
         };
         let branch = if self.configuration.is_empty() {
             Branch::Continuous
@@ -210,7 +206,7 @@ impl Job {
                     self.notes.push(Note::refusing(line.number, text.into(), words));
                 }
                 let at = named.first().and_then(|name| self.places.get(name)).copied();
-                self.route.push(Visit::event(at.into_iter().collect(), linear));
+                self.route.push(Visit::event(at.into_iter().collect(), linear, line.number));
                 let name = named.first().map(|name| format!("{}{:05}", name.0, name.1));
                 let name = name.unwrap_or_else(|| words.next().unwrap_or(verb).into());
                 match at {
@@ -222,12 +218,12 @@ impl Job {
                 let words =
                     format!("{verb} in line {} moves by a distance from where the robot is", line.number);
                 self.notes.push(Note::refusing(line.number, text.into(), words));
-                self.route.push(Visit::event(Vec::new(), true));
+                self.route.push(Visit::event(Vec::new(), true, line.number));
             }
             _ if verb.contains("MOV") => {
                 let words = "a motion that is not understood: where the robot moves is not known";
                 self.notes.push(Note::refusing(line.number, text.into(), words.into()));
-                self.route.push(Visit::event(Vec::new(), false));
+                self.route.push(Visit::event(Vec::new(), false, line.number));
             }
             "GETPOS" => {
                 let words = "a position is computed from a step of the job: from a compensated point it comes out displaced";

@@ -1,25 +1,26 @@
-//! What one file says, statement by statement.
+//! One file, statement by statement.
 
 use super::aggregate::Aggregate;
 use super::candidate::{Candidate, candidate, pose};
 use crate::ControllerError;
-use crate::flow::{Active, FRAME, Flow, Outer, TOOL};
+use crate::flow::{Active, FRAME, Flow, Head, LOAD, Outer, Step, TOOL, unknown};
 use crate::program::{Definition, Reference};
 use crate::tokens::{Cursor, Kind, Lexis, tokens};
+use truepose_kinematics::nalgebra::Vector3;
 
 const LEXIS: Lexis = Lexis { comment: b';', quotes: b"\"'", header: Some(b'&'), escapes: false };
 /// Why points are not compensated where the tool stands still.
 const FIXED_TOOL: &str =
     "the tool stands still and the robot holds the work ($IPO_MODE = #TCP), which is not compensated";
 const TYPES: [&str; 5] = ["E6POS", "POS", "E6AXIS", "AXIS", "FRAME"];
+/// No mode is set: the tool is on the robot.
+const ON_ROBOT: Active = [Reference::Identity, Reference::Identity, Reference::Identity];
 pub(super) const MOTIONS: [&str; 7] = ["PTP", "LIN", "CIRC", "SPTP", "SLIN", "SCIRC", "SPL"];
 
 /// A motion to a name, or to something that is computed.
 #[derive(Debug, Clone)]
 pub(super) struct Motion {
-    pub(super) line: usize,
-    /// As written.
-    pub(super) shown: String,
+    pub(super) head: Head,
     /// The name, where it is one alone.
     pub(super) name: Option<String>,
     /// Relative to where the robot is, or computed from this name.
@@ -27,22 +28,9 @@ pub(super) struct Motion {
     pub(super) used: usize,
     /// Whether an aggregate stands there.
     pub(super) inline: bool,
-    /// Along a line or an arc.
-    pub(super) linear: bool,
-    /// Why it is not understood.
-    pub(super) odd: Option<String>,
 }
 
-/// What happens, in the order of the text.
-#[derive(Debug, Clone)]
-pub(super) enum Step {
-    Motion(usize),
-    Begin(String),
-    End,
-    Call(String),
-}
-
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct File {
     pub(super) candidates: Vec<Candidate>,
     pub(super) motions: Vec<Motion>,
@@ -55,8 +43,6 @@ pub(super) struct File {
     pub(super) steps: Vec<Step>,
     /// Statements that are no motions but have something of one: line, statement, the names in it, and whether a literal point is in it.
     pub(super) odd: Vec<(usize, String, Vec<String>, bool)>,
-    /// LOAD_DATA and $LOAD: line and words.
-    pub(super) loads: Vec<(usize, String)>,
 }
 
 pub(super) struct Reader<'t> {
@@ -72,27 +58,18 @@ pub(super) struct Reader<'t> {
 impl File {
     pub(super) fn read(text: &[u8]) -> Result<File, ControllerError> {
         let all = tokens(text, LEXIS)?;
-        let file = File {
-            candidates: Vec::new(),
-            motions: Vec::new(),
-            uses: Vec::new(),
-            definitions: Vec::new(),
-            declared: Vec::new(),
-            changed: Vec::new(),
-            steps: Vec::new(),
-            odd: Vec::new(),
-            loads: Vec::new(),
-        };
         let mut mode = Flow::new("");
-        mode.restart([Reference::Identity, Reference::Identity]);
-        let mut reader = Reader { text, flow: Flow::new("it is not set before"), mode, outside: None, file };
+        mode.restart(ON_ROBOT);
+        let mut flow = Flow::new("");
+        flow.restart(unset());
+        let mut reader = Reader { text, flow, mode, outside: None, file: File::default() };
         for line in all.split_inclusive(|token| token.kind == Kind::End) {
             reader.statement(&mut Cursor::new(text, line))?;
         }
         reader.file.uses = reader.flow.uses;
         for (active, mode) in reader.file.uses.iter_mut().zip(&reader.mode.uses) {
             if mode[FRAME] != Reference::Identity {
-                *active = [FIXED_TOOL, FIXED_TOOL].map(|words| Reference::Excluded(words.into()));
+                active[..LOAD].fill(Reference::Excluded(FIXED_TOOL.into()));
             }
         }
         Ok(reader.file)
@@ -129,9 +106,8 @@ impl<'t> Reader<'t> {
 
     /// `DEF name( )`: the name is next.
     fn routine(&mut self, at: &mut Cursor<'t>, typed: bool) {
-        let unknown = || Reference::Unknown("it is not set before".into());
-        self.flow.restart([unknown(), unknown()]);
-        self.mode.restart([Reference::Identity, Reference::Identity]);
+        self.flow.restart(unset());
+        self.mode.restart(ON_ROBOT);
         if typed {
             at.word();
         }
@@ -163,9 +139,10 @@ impl<'t> Reader<'t> {
                     return Ok(());
                 }
                 let aggregate = Aggregate::read(at, line)?;
-                self.load(&name, &aggregate, line);
                 if point {
                     self.value(&name, &aggregate, Some(&kind));
+                } else if kind == "LOAD" {
+                    self.load(&name, &aggregate);
                 } else if kind == "FDAT" {
                     self.frame_data(&name, &aggregate);
                 }
@@ -181,12 +158,15 @@ impl<'t> Reader<'t> {
         let line = at.peek().map_or(0, |token| token.line);
         let Some(name) = name(at) else { return Ok(()) };
         if at.take(b'.') {
+            if let Some(which) = ["$BASE", "$TOOL", "$LOAD"].iter().position(|active| *active == name) {
+                self.flow.set(which, Reference::Unknown(format!("a part of it is set in line {line}")));
+            }
             self.file.changed.push((name, line));
             return Ok(());
         }
         if at.take(b'(') {
             if name != "PULSE" {
-                for which in [FRAME, TOOL] {
+                for which in [FRAME, TOOL, LOAD] {
                     let words = format!("{name} is called before, which may change it");
                     self.flow.set(which, Reference::Unknown(words));
                 }
@@ -200,8 +180,12 @@ impl<'t> Reader<'t> {
             return Ok(());
         }
         match name.as_str() {
-            "$BASE" | "$TOOL" => {
-                let which = if name == "$BASE" { FRAME } else { TOOL };
+            "$BASE" | "$TOOL" | "$LOAD" => {
+                let which = match name.as_str() {
+                    "$BASE" => FRAME,
+                    "$TOOL" => TOOL,
+                    _ => LOAD,
+                };
                 let to = self.reference(at, which)?;
                 self.flow.set(which, to);
             }
@@ -210,11 +194,11 @@ impl<'t> Reader<'t> {
                 if let Some(data) = self::name(at) {
                     self.flow.set(FRAME, Reference::Named(format!("{data}.BASE_NO")));
                     self.flow.set(TOOL, Reference::Named(format!("{data}.TOOL_NO")));
+                    self.flow.set(LOAD, Reference::Named(format!("{data}.LOAD_NO")));
                 }
             }
             _ if at.take(b'{') => {
                 let aggregate = Aggregate::read(at, line)?;
-                self.load(&name, &aggregate, line);
                 if at.take(b':') {
                     self.file.changed.push((name, line));
                 } else {
@@ -234,14 +218,26 @@ impl<'t> Reader<'t> {
         self.mode.set(FRAME, to);
     }
 
-    /// `LOAD_DATA[1]={M 12.0,…}`.
-    fn load(&mut self, name: &str, aggregate: &Aggregate<'_>, line: usize) {
-        if (bare(name) == "LOAD_DATA" || name == "$LOAD")
-            && aggregate.value("M").is_some_and(|mass| mass > 0.0)
-        {
-            let mass = aggregate.value("M").unwrap_or_default();
-            self.file.loads.push((line, format!("{name} is {mass} kg")));
-        }
+    /// `LOAD_DATA[1]={M 12.0,CM {X 0.0,Y 0.0,Z 80.0,A …},J {…}}`.
+    fn load(&mut self, name: &str, aggregate: &Aggregate<'_>) {
+        let definition = match self.mass(aggregate) {
+            Some((mass, _)) if mass < 0.0 => {
+                Definition::Unusable(format!("{name} is the largest load (M is negative)"))
+            }
+            Some((mass, com)) => Definition::Load(mass, com),
+            None => Definition::Unusable(format!("{name} is not made of numbers")),
+        };
+        self.file.definitions.push((name.into(), definition));
+    }
+
+    /// Mass and centre of gravity, m.
+    fn mass(&self, aggregate: &Aggregate<'_>) -> Option<(f64, Vector3<f64>)> {
+        let center = aggregate.entry("CM")?.tokens;
+        let mut at = Cursor::new(self.text, center);
+        let center =
+            if at.take(b'{') { Aggregate::read(&mut at, aggregate.line).ok()? } else { return None };
+        let [x, y, z] = ["X", "Y", "Z"].map(|name| center.value(name));
+        Some((aggregate.value("M")?, 1e-3 * Vector3::new(x?, y?, z?)))
     }
 
     /// A statement that is no motion: what a motion would have in it.
@@ -285,6 +281,13 @@ impl<'t> Reader<'t> {
             Some((number, _)) if at.take(b')') => Reference::Named(format!("{list}[{number:.0}]")),
             _ => Reference::Unknown("its number is computed".into()),
         };
+        if which == TOOL {
+            let load = match &to {
+                Reference::Named(name) => Reference::Named(name.replace("TOOL_DATA", "LOAD_DATA")),
+                unknown => unknown.clone(),
+            };
+            self.flow.set(LOAD, load);
+        }
         self.flow.set(which, to);
     }
 
@@ -297,14 +300,19 @@ impl<'t> Reader<'t> {
         let line = at.peek().map_or(0, |token| token.line);
         let found = if at.take(b'{') {
             let aggregate = Aggregate::read(at, line)?;
+            if which == LOAD {
+                let name = format!("$LOAD in line {line}");
+                self.load(&name, &aggregate);
+                return Ok(Reference::Named(name));
+            }
             pose(&aggregate).map_or(Reference::Unknown("its value is computed".into()), Reference::Value)
         } else {
             match name(at).as_deref() {
                 Some("$NULLFRAME") => Reference::Identity,
-                Some("STOOL2" | "STOOL" | "SBASE") if at.take(b'(') => {
+                Some("STOOL2" | "STOOL" | "SBASE" | "SLOAD") if at.take(b'(') => {
                     let data = name(at).unwrap_or_default();
                     at.skip_closed();
-                    let part = if which == FRAME { "BASE_NO" } else { "TOOL_NO" };
+                    let part = ["BASE_NO", "TOOL_NO", "LOAD_NO"][which];
                     Reference::Named(format!("{data}.{part}"))
                 }
                 Some(name) => Reference::Named(name.into()),
@@ -323,13 +331,14 @@ impl<'t> Reader<'t> {
                 .last()
                 .is_some_and(|token| self.text[token.range.clone()].eq_ignore_ascii_case(b"TCP"))
         });
-        for (part, list) in [("BASE_NO", "BASE_DATA"), ("TOOL_NO", "TOOL_DATA")] {
-            let definition = match aggregate.value(part) {
+        for (part, list) in [("BASE_NO", "BASE_DATA"), ("TOOL_NO", "TOOL_DATA"), ("LOAD_NO", "LOAD_DATA")] {
+            let number = if part == "LOAD_NO" { "TOOL_NO" } else { part };
+            let definition = match aggregate.value(number) {
                 _ if still => Definition::Excluded(format!(
                     "the tool stands still (IPO_FRAME #TCP in {name}), which is not compensated"
                 )),
                 Some(number) => Definition::SameAs(format!("{list}[{number:.0}]")),
-                None => Definition::Unusable(format!("{name} has no {part}")),
+                None => Definition::Unusable(format!("{name} has no {number}")),
             };
             self.file.definitions.push((format!("{name}.{part}"), definition));
         }
@@ -338,6 +347,9 @@ impl<'t> Reader<'t> {
     /// A literal under a name: a frame, or what may be a point.
     fn value(&mut self, name: &str, aggregate: &Aggregate<'_>, kind: Option<&str>) {
         let list = bare(name);
+        if list == "LOAD_DATA" {
+            return self.load(name, aggregate);
+        }
         if name.starts_with('$') || list == "BASE_DATA" || list == "TOOL_DATA" {
             if let Some(pose) = pose(aggregate) {
                 self.file.definitions.push((name.into(), Definition::Value(pose)));
@@ -354,6 +366,12 @@ impl<'t> Reader<'t> {
             self.file.candidates.push(candidate);
         }
     }
+}
+
+/// Before anything is set.
+fn unset() -> Active {
+    let [frame, tool, _] = unknown("it is not set before");
+    [frame, tool, Reference::Unknown("$LOAD is not set before".into())]
 }
 
 /// A name in capitals, with a literal index; `[*]` for any other.

@@ -34,5 +34,10 @@ pub(crate) fn read(text: &[u8], others: &[&[u8]]) -> Result<Program, ControllerE
     for (name, definition) in files.iter().flat_map(|file| &file.definitions) {
         definitions.put(name.clone(), definition.clone());
     }
+    for (changed, line) in files.iter().flat_map(|file| &file.changed) {
+        for (name, definition) in definitions.0.iter_mut().filter(|(name, _)| points::means(changed, name)) {
+            *definition = Definition::Unusable(format!("line {line} changes {name} while the program runs"));
+        }
+    }
     Ok(points::program(text, &files, definitions))
 }

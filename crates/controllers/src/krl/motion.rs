@@ -2,9 +2,9 @@
 
 use super::aggregate::Aggregate;
 use super::candidate::{Candidate, candidate};
-use super::file::{Motion, Reader, Step, name};
+use super::file::{Motion, Reader, name};
 use crate::ControllerError;
-use crate::flow::{FRAME, TOOL};
+use crate::flow::{FRAME, Head, LOAD, Step, TOOL};
 use crate::tokens::{Cursor, Kind};
 
 /// Words that may stand behind a destination, besides `C_DIS` and the like.
@@ -67,14 +67,11 @@ impl<'t> Reader<'t> {
         let Some(token) = at.peek() else { return Ok(()) };
         let (line, start) = (token.line, token.range.start);
         let mut motion = Motion {
-            line,
-            shown: verb.into(),
+            head: Head { line, shown: verb.into(), linear: !verb.contains("PTP"), odd: None },
             name: None,
             computed: relative,
             used,
             inline: false,
-            linear: !verb.contains("PTP"),
-            odd: None,
         };
         if at.take(b'{') {
             let aggregate = Aggregate::read(at, line)?;
@@ -103,14 +100,14 @@ impl<'t> Reader<'t> {
                         at.at = at.tokens.len() - 1;
                     } else if !(word.starts_with("C_") || BEHIND.contains(&word.as_str()) || motion.computed)
                     {
-                        motion.odd = Some(word);
+                        motion.head.odd = Some(format!("`{word}` behind its point is not understood"));
                     }
                 }
                 _ => {}
             }
         }
         let end = at.tokens[..at.at.min(at.tokens.len())].last().map_or(start, |token| token.range.end);
-        motion.shown =
+        motion.head.shown =
             format!("{verb} {}", String::from_utf8_lossy(&self.text[start..end.max(start)]).trim());
         self.file.steps.push(Step::Motion(self.file.motions.len()));
         self.file.motions.push(motion);
@@ -122,6 +119,7 @@ impl<'t> Reader<'t> {
             let which = match &self.text[token.range.clone()] {
                 word if word.eq_ignore_ascii_case(b"$BASE") => FRAME,
                 word if word.eq_ignore_ascii_case(b"$TOOL") => TOOL,
+                word if word.eq_ignore_ascii_case(b"$LOAD") => LOAD,
                 word if word.eq_ignore_ascii_case(b"$IPO_MODE") => {
                     at.take(b'=');
                     self.mode(at);

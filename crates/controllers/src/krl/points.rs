@@ -1,11 +1,12 @@
 //! The points of the first of some files, with the frames and tools with which all of them use it.
 
 use super::candidate::{Candidate, Literal};
-use super::file::{File, Motion, Step, bare};
+use super::file::{File, Motion, bare};
 use crate::Dialect;
-use crate::event::{Event, Visit};
-use crate::flow::{Active, of_all};
-use crate::program::{Branch, Definitions, Note, Point, Program, Reference, Value};
+use crate::event::Visit;
+use crate::flow::{Active, LOAD, of_all};
+use crate::note::Note;
+use crate::program::{Branch, Carried, Definitions, Point, Program, Reference, Value};
 use std::collections::HashMap;
 
 pub(super) fn program(text: &[u8], files: &[File], definitions: Definitions) -> Program {
@@ -28,39 +29,29 @@ pub(super) fn program(text: &[u8], files: &[File], definitions: Definitions) -> 
                 of_all(direct.map(|(file, motion)| &file.uses[motion.used]), &none)
             }
         };
-        points.push(point(candidate, active, uses.change(&candidate.name)));
+        let carried = definitions.load(&active[LOAD]);
+        points.push(Point { carried, ..point(candidate, active, uses.change(&candidate.name)) });
     }
     let places = Places::of(&points);
     let mut route = Vec::new();
     let mut notes = Vec::new();
     for (place, file) in files.iter().enumerate() {
-        let mut events = Vec::new();
-        for step in &file.steps {
-            events.push(match step {
-                Step::Begin(name) => Event::Begin(name.clone()),
-                Step::End => Event::End,
-                Step::Call(name) => Event::Call(name.clone()),
-                Step::Motion(number) => {
-                    let motion = &file.motions[*number];
-                    let at = places.of_motion(motion, place);
-                    if let Some(word) = &motion.odd {
-                        let words = format!("`{word}` behind its point is not understood");
-                        notes.push(Note {
-                            file: place,
-                            ..Note::refusing(motion.line, motion.shown.clone(), words)
-                        });
-                    } else if at.is_empty() || motion.computed {
-                        notes.extend(note(motion, files, &uses, place));
-                    }
-                    Visit::event(if motion.computed { Vec::new() } else { at }, motion.linear)
-                }
-            });
-        }
-        route.push(events);
+        let mut visits = |number: usize| {
+            let motion = &file.motions[number];
+            let at = places.of_motion(motion, place);
+            if let Some(words) = &motion.head.odd {
+                notes.push(motion.head.refusing(place, words));
+            } else if at.is_empty() || motion.computed {
+                notes.extend(note(motion, files, &uses, place));
+            }
+            vec![Visit::event(
+                if motion.computed { Vec::new() } else { at },
+                motion.head.linear,
+                motion.head.line,
+            )]
+        };
+        route.push(file.steps.iter().flat_map(|step| step.events(&mut visits)).collect());
         notes.extend(odd(file, files, place));
-    }
-    for (line, words) in &file.loads {
-        notes.push(Note::load(*line, words.clone()));
     }
     Program { dialect: Dialect::Krl, text: text.to_vec(), points, definitions, route, notes }
 }
@@ -119,7 +110,7 @@ impl Uses {
 }
 
 /// Whether a reference to `to` may be to `name`.
-fn means(to: &str, name: &str) -> bool {
+pub(super) fn means(to: &str, name: &str) -> bool {
     to == name || (bare(to) == bare(name) && (to.contains("[*]") || name.contains("[*]")))
 }
 
@@ -150,7 +141,7 @@ impl Places {
                 all.filter(|(other, _)| means(name, other)).map(|(_, k)| *k).collect()
             }
             None if place == 0 && motion.inline && !motion.computed => {
-                self.lines.get(&motion.line).cloned().unwrap_or_default()
+                self.lines.get(&motion.head.line).cloned().unwrap_or_default()
             }
             None => Vec::new(),
         }
@@ -167,7 +158,7 @@ fn of_frame_data(name: &str, definitions: &Definitions) -> Active {
             None => Reference::Unknown("no motion in the files given goes to it".into()),
         }
     };
-    [of("BASE_NO"), of("TOOL_NO")]
+    [of("BASE_NO"), of("TOOL_NO"), of("LOAD_NO")]
 }
 
 /// Bit 4 of S: taught with an absolutely accurate robot.
@@ -190,7 +181,7 @@ fn point(candidate: &Candidate, active: Active, changed: Option<&(String, usize)
                 Some(status) => Branch::Kuka { status: *status, turn: *turn },
                 None => Branch::Continuous,
             };
-            let [frame, tool] = active;
+            let [frame, tool, _] = active;
             let pose = pose.unwrap_or_else(|| {
                 fixed.get_or_insert_with(|| "its numbers are no pose".into());
                 truepose_kinematics::Pose::IDENTITY
@@ -203,6 +194,7 @@ fn point(candidate: &Candidate, active: Active, changed: Option<&(String, usize)
         line: candidate.line,
         value,
         external: candidate.external.clone(),
+        carried: Carried::unstated(),
         fixed,
         slots: candidate.slots.clone(),
         written: match &candidate.kind {
@@ -215,9 +207,7 @@ fn point(candidate: &Candidate, active: Active, changed: Option<&(String, usize)
 /// What there is to say of a motion that goes to no literal of the first file.
 fn note(motion: &Motion, files: &[File], uses: &Uses, place: usize) -> Option<Note> {
     let name = motion.name.as_deref().unwrap_or("");
-    let refusing = |words: &str| {
-        Some(Note { file: place, ..Note::refusing(motion.line, motion.shown.clone(), words.into()) })
-    };
+    let refusing = |words: &str| Some(motion.head.refusing(place, words));
     if motion.computed {
         return refusing(
             "the position is computed while the program runs: from a compensated point it comes out displaced",
@@ -227,8 +217,7 @@ fn note(motion: &Motion, files: &[File], uses: &Uses, place: usize) -> Option<No
         // Where the robot is or was; other positions of the controller stay as they are.
         let here =
             ["_ACT", "_ACT_MES", "_RET", "_INT", "_FOR", "_BACK"].iter().any(|end| name.ends_with(end));
-        let note = || Note::missing(motion.line, motion.shown.clone(), name.into());
-        return (!here && place == 0).then(note);
+        return (!here && place == 0).then(|| motion.head.missing(place, name));
     }
     let elsewhere = files.iter().skip(1).any(|file| file.candidates.iter().any(|c| means(name, &c.name)));
     if elsewhere || place > 0 {
@@ -237,5 +226,5 @@ fn note(motion: &Motion, files: &[File], uses: &Uses, place: usize) -> Option<No
     if let Some((_, line)) = uses.change(name) {
         return refusing(&format!("its value is computed in line {line}, maybe from a compensated point"));
     }
-    Some(Note::missing(motion.line, motion.shown.clone(), name.into()))
+    Some(motion.head.missing(place, name))
 }

@@ -1,7 +1,9 @@
-//! What one module says.
+//! One module.
 
 use super::instructions::{KEYWORDS, signature};
+use super::load::{Grip, Held, load};
 use super::node::Node;
+use crate::flow::{Head, Step};
 use crate::program::{Definition, Reference};
 use crate::tokens::{Cursor, Kind, Lexis, Token, tokens};
 use crate::{ControllerError, Dialect};
@@ -32,24 +34,11 @@ pub(super) enum Destination {
 /// An instruction that moves.
 #[derive(Debug, Clone)]
 pub(super) struct Motion {
-    pub(super) line: usize,
-    pub(super) shown: String,
+    pub(super) head: Head,
     pub(super) destinations: Vec<Destination>,
     pub(super) tool: Reference,
     pub(super) frame: Reference,
-    pub(super) linear: bool,
-    /// Why it is not understood.
-    pub(super) odd: Option<String>,
-}
-
-/// What happens, in the order of the text.
-#[derive(Debug, Clone)]
-pub(super) enum Step {
-    Motion(usize),
-    Begin(String),
-    End,
-    Call(String),
-    Control { linear: bool, followed: bool },
+    pub(super) load: Held,
 }
 
 /// An instruction that is no motion, with what a motion would have in it.
@@ -76,8 +65,7 @@ pub(super) struct File {
     pub(super) external: Vec<String>,
     /// Line and name of an instruction that displaces the program.
     pub(super) displaced: Option<(usize, String)>,
-    /// Loads that are stated: line and words.
-    pub(super) loads: Vec<(usize, String)>,
+    pub(super) grip: Grip,
 }
 
 impl File {
@@ -99,6 +87,7 @@ impl File {
                     if word == "FUNC" {
                         at.word();
                     }
+                    file.grip.begin();
                     file.steps.push(Step::Begin(at.word().unwrap_or("").to_ascii_uppercase()));
                 }
                 "ENDPROC" | "ENDTRAP" | "ENDFUNC" => file.steps.push(Step::End),
@@ -106,7 +95,11 @@ impl File {
                     let followed = !at.word().is_some_and(|word| word.eq_ignore_ascii_case("Off"));
                     file.steps.push(Step::Control { linear: word == "CONFL", followed });
                 }
-                word if KEYWORDS.contains(&word) => {}
+                "GRIPLOAD" => {
+                    file.steps.push(Step::Call(word));
+                    file.grip.set(indexed(&mut at).unwrap_or_default());
+                }
+                word if KEYWORDS.contains(&word) => file.grip.block(word),
                 "PDISPSET" | "PDISPON" | "EOFFSSET" | "EOFFSON" => {
                     file.displaced.get_or_insert((token.line, at.str_of(token).into()));
                 }
@@ -156,22 +149,13 @@ impl File {
         match kind.as_str() {
             "WOBJDATA" => self.definitions.push((name, work_object(&node))),
             "TOOLDATA" => {
-                self.load(&kind, &name, node.items().get(2), line);
+                self.definitions.push((format!("{name}.TLOAD"), load(node.items().get(2))));
                 self.definitions.push((name, tool(&node)));
             }
-            "LOADDATA" => self.load(&kind, &name, Some(&node), line),
+            "LOADDATA" => self.definitions.push((name, load(Some(&node)))),
             _ => self.listed(name, node, joints, lists, line),
         }
         Ok(())
-    }
-
-    /// The mass of loaddata.
-    fn load(&mut self, kind: &str, name: &str, load: Option<&Node>, line: usize) {
-        if let Some(Node::Number(mass, _)) = load.and_then(|load| load.items().first())
-            && !["TOOL0", "LOAD0"].contains(&name)
-        {
-            self.loads.push((line, format!("{} {name} has {mass} kg", kind.to_ascii_lowercase())));
-        }
     }
 
     fn listed(&mut self, name: String, node: Node, joints: bool, lists: usize, line: usize) {
@@ -220,7 +204,12 @@ impl File {
 
     /// An instruction that is no motion, behind its name.
     fn instruction(&mut self, at: &mut Cursor<'_>, verb: &Token) {
-        self.steps.push(Step::Call(at.str_of(verb).to_ascii_uppercase()));
+        let word = at.str_of(verb).to_ascii_uppercase();
+        let ends = |at: &Cursor<'_>| at.peek().is_none_or(|token| token.is(b';'));
+        if ends(at) {
+            self.grip.call(&word);
+        }
+        self.steps.push(Step::Call(word.clone()));
         if at.peek_word().is_some_and(|word| KEYWORDS.contains(&&*word.to_ascii_uppercase())) || !begins(at) {
             return;
         }
@@ -230,6 +219,10 @@ impl File {
             let word = at.peek_word().map(str::to_ascii_uppercase);
             if word.as_ref().is_some_and(|word| KEYWORDS.contains(&word.as_str())) {
                 break;
+            }
+            if word.as_ref().is_some_and(|word| signature(word).is_some()) {
+                // `IF flag MoveL p10,…;`: what is in front is a condition.
+                return;
             }
             at.at += 1;
             if let Some(word) = word {
@@ -246,6 +239,10 @@ impl File {
                     at.at = ahead.at;
                 }
             }
+        }
+        // A condition ends with a keyword.
+        if ends(at) {
+            self.grip.call(&word);
         }
         if odd.literal || !odd.names.is_empty() {
             self.odd.push(odd);

@@ -11,23 +11,33 @@
 //!
 //! An instruction that is not known and has a point in it is refused. Statements may span lines, with comments in between. Names have no case.
 
+mod cfg;
 mod file;
 mod instructions;
+mod load;
 mod motion;
 mod node;
 mod points;
 
 use crate::program::{Definition, Definitions};
-use crate::{ControllerError, Program};
+use crate::{ControllerError, Dialect, Program};
 use file::File;
 use truepose_kinematics::Pose;
 
 pub(crate) fn read(text: &[u8], others: &[&[u8]]) -> Result<Program, ControllerError> {
+    let mut definitions = Definitions::default();
+    for text in others.iter().copied().chain([text]).filter(|text| cfg::is(text)) {
+        cfg::read(text, &mut definitions);
+    }
+    if cfg::is(text) {
+        return Ok(Program::of_frames(Dialect::Rapid, text, definitions));
+    }
     let mut files = vec![File::read(text)?];
     for (k, other) in others.iter().enumerate() {
-        files.push(File::read(other).map_err(|error| error.in_other(k))?);
+        // Its place in the list is that of the file.
+        let file = if cfg::is(other) { Ok(File::default()) } else { File::read(other) };
+        files.push(file.map_err(|error| error.in_other(k))?);
     }
-    let mut definitions = Definitions::default();
     for name in ["WOBJ0", "TOOL0"] {
         definitions.put(name.into(), Definition::Value(Pose::IDENTITY));
     }

@@ -1,9 +1,11 @@
 //! Motions, their arguments and options.
 
-use super::file::{Candidate, Destination, File, Motion, Step, indexed, shape, tool};
+use super::file::{Candidate, Destination, File, Motion, indexed, shape, tool};
 use super::instructions::{Argument, Signature};
+use super::load::Held;
 use super::node::Node;
 use crate::ControllerError;
+use crate::flow::{Head, Step};
 use crate::program::{Definition, Reference};
 use crate::tokens::{Cursor, Kind, Token};
 
@@ -25,13 +27,11 @@ impl File {
     ) -> Result<(), ControllerError> {
         let word = at.str_of(verb);
         let mut motion = Motion {
-            line: verb.line,
-            shown: word.to_owned(),
+            head: Head { line: verb.line, shown: word.to_owned(), linear: signature.linear, odd: None },
             destinations: Vec::new(),
             tool: Reference::Unknown(format!("{word} in line {} names none", verb.line)),
             frame: Reference::Identity,
-            linear: signature.linear,
-            odd: None,
+            load: Held { total: None, used: self.grip.motion() },
         };
         let mut arguments = Vec::new();
         while at.peek().is_some_and(|token| !token.is(b';')) {
@@ -43,7 +43,7 @@ impl File {
         }
         let count = arguments.len();
         if count < signature.least() {
-            motion.odd.get_or_insert_with(|| "it has not the arguments of this instruction".into());
+            motion.head.odd.get_or_insert_with(|| "it has not the arguments of this instruction".into());
         }
         for (place, given) in arguments.into_iter().enumerate() {
             match (signature.argument(place, count), given) {
@@ -53,13 +53,13 @@ impl File {
                 }
                 (Argument::Tool, given) => motion.tool = held(given),
                 (Argument::External, Given::Name(name)) => self.external.push(name),
-                (Argument::Result, Given::Name(name)) => self.changed.push((name, motion.line)),
+                (Argument::Result, Given::Name(name)) => self.changed.push((name, motion.head.line)),
                 _ => {}
             }
         }
         let end = at.peek().map_or(at.text.len(), |token| token.range.start);
         let shown = String::from_utf8_lossy(&at.text[verb.range.start..end.max(verb.range.start)]);
-        motion.shown = shown.split_whitespace().collect::<Vec<_>>().join(" ").chars().take(60).collect();
+        motion.head.shown = shown.split_whitespace().collect::<Vec<_>>().join(" ").chars().take(60).collect();
         if !motion.destinations.is_empty() {
             self.steps.push(Step::Motion(self.motions.len()));
             self.motions.push(motion);
@@ -72,7 +72,7 @@ impl File {
             Given::Name(name) => Destination::Name(name),
             Given::Literal(node, line) => match shape(&node) {
                 Some(joints) => {
-                    let name = format!("{} in line {}", motion.shown, motion.line);
+                    let name = format!("{} in line {}", motion.head.shown, motion.head.line);
                     let inline = Some(self.motions.len());
                     self.candidates.push(Candidate { name, line, node, joints, inline });
                     Destination::Inline(self.candidates.len() - 1)
@@ -112,7 +112,15 @@ fn options(at: &mut Cursor<'_>, motion: &mut Motion, signature: &Signature) {
                 at.at += 1;
                 let option = at.word().unwrap_or("").to_ascii_uppercase();
                 if !signature.has(&option) {
-                    motion.odd = Some(format!("its option \\{option} is not known"));
+                    motion.head.odd = Some(format!("its option \\{option} is not known"));
+                }
+                if option == "TLOAD" {
+                    at.take(b':');
+                    at.take(b'=');
+                    let computed = || Reference::Unknown("its \\TLoad is computed".into());
+                    let load = indexed(at).map_or_else(computed, Reference::Named);
+                    // load0 stands for the tool's own.
+                    motion.load.total = Some(load).filter(|load| *load != Reference::Named("LOAD0".into()));
                 }
                 if option == "WOBJ" {
                     at.take(b':');

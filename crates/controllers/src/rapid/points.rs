@@ -1,12 +1,13 @@
 //! The points of the first of some modules, with the frames and tools with which all of them use it.
 
-use super::file::{Candidate, Destination, File, Motion, Step, bare};
+use super::file::{Candidate, Destination, File, Motion, bare};
 use super::node::Node;
 use crate::Dialect;
-use crate::event::{Event, Visit};
-use crate::flow::{Active, of_all};
+use crate::event::Visit;
+use crate::flow::{Active, of_all, unknown};
+use crate::note::Note;
 use crate::number::{Form, Slot};
-use crate::program::{Branch, Definitions, Note, Point, Program, Reference, Value};
+use crate::program::{Branch, Carried, Definitions, Point, Program, Reference, Value};
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 
@@ -15,23 +16,27 @@ const ABSENT: f64 = 8.9e9;
 
 pub(super) fn program(text: &[u8], files: &[File], definitions: Definitions) -> Program {
     let names = Names::of(files);
-    let unused = || Reference::Unknown("no motion in the files given goes to it".into());
+    let grips = files.iter().any(|file| file.grip.any);
     let displaced = files.iter().find_map(|file| file.displaced.clone());
     let mut points = Vec::new();
     // The point of each candidate.
     let mut places: Vec<Option<usize>> = Vec::new();
     for candidate in &files[0].candidates {
-        let of = |motion: &Motion| [motion.frame.clone(), motion.tool.clone()];
-        let uses: Vec<Active> = match candidate.inline {
-            Some(number) => files[0].motions.get(number).map(of).into_iter().collect(),
-            None => names.motions_to(files, &candidate.name).map(of).collect(),
+        let motions: Vec<(&File, &Motion)> = match candidate.inline {
+            Some(number) => {
+                files[0].motions.get(number).map(|motion| (&files[0], motion)).into_iter().collect()
+            }
+            None => names.motions_to(files, &candidate.name).collect(),
         };
+        let of =
+            |(_, motion): &(&File, &Motion)| [motion.frame.clone(), motion.tool.clone(), Reference::Identity];
+        let uses: Vec<Active> = motions.iter().map(of).collect();
         let external = candidate.inline.is_none() && names.external.contains(bare(&candidate.name));
         if external && uses.is_empty() {
             places.push(None);
             continue;
         }
-        let mut active = of_all(uses.iter(), &[unused(), unused()]);
+        let mut active = of_all(uses.iter(), &unknown("no motion in the files given goes to it"));
         if let Some((line, word)) = &displaced {
             active[0] = Reference::Unknown(format!("{word} in line {line} displaces the program"));
         }
@@ -40,51 +45,50 @@ pub(super) fn program(text: &[u8], files: &[File], definitions: Definitions) -> 
             let words = "a motion of external axes alone uses it as well";
             point.fixed.get_or_insert_with(|| words.into());
         }
+        point.carried = carried(&motions, &definitions, grips);
         places.push(Some(points.len()));
         points.push(point);
     }
     let mut route = Vec::new();
     let mut notes = Vec::new();
     for (place, file) in files.iter().enumerate() {
-        let mut events = Vec::new();
-        for step in &file.steps {
-            match step {
-                Step::Begin(name) => events.push(Event::Begin(name.clone())),
-                Step::End => events.push(Event::End),
-                Step::Call(name) => events.push(Event::Call(name.clone())),
-                Step::Control { linear, followed } => {
-                    events.push(Event::Control { linear: *linear, followed: *followed });
-                }
-                Step::Motion(number) => {
-                    let motion = &file.motions[*number];
-                    let refusing = |words: &str| {
-                        let note = Note::refusing(motion.line, motion.shown.clone(), words.into());
-                        Note { file: place, ..note }
-                    };
-                    notes.extend(motion.odd.as_deref().map(refusing));
-                    for destination in &motion.destinations {
-                        let at: Vec<usize> = match destination {
-                            Destination::Inline(candidate) if place == 0 => {
-                                places.get(*candidate).copied().flatten().into_iter().collect()
-                            }
-                            Destination::Name(name) => {
-                                names.candidates(files, name).filter_map(|k| places[k]).collect()
-                            }
-                            _ => Vec::new(),
-                        };
-                        if at.is_empty() {
-                            notes.extend(note(motion, destination, files, &names, place));
-                        }
-                        events.push(Visit::event(at, motion.linear));
+        let mut visits = |number: usize| {
+            let motion = &file.motions[number];
+            notes.extend(motion.head.odd.as_deref().map(|words| motion.head.refusing(place, words)));
+            let mut visits = Vec::new();
+            for destination in &motion.destinations {
+                let at: Vec<usize> = match destination {
+                    Destination::Inline(candidate) if place == 0 => {
+                        places.get(*candidate).copied().flatten().into_iter().collect()
                     }
+                    Destination::Name(name) => {
+                        names.candidates(files, name).filter_map(|k| places[k]).collect()
+                    }
+                    _ => Vec::new(),
+                };
+                if at.is_empty() {
+                    notes.extend(note(motion, destination, files, &names, place));
                 }
+                visits.push(Visit::event(at, motion.head.linear, motion.head.line));
             }
-        }
-        route.push(events);
+            visits
+        };
+        route.push(file.steps.iter().flat_map(|step| step.events(&mut visits)).collect());
         notes.extend(odd(file, &names, place));
     }
-    notes.extend(files[0].loads.iter().map(|(line, words)| Note::load(*line, words.clone())));
     Program { dialect: Dialect::Rapid, text: text.to_vec(), points, definitions, route, notes }
+}
+
+/// The one load of all motions to a point.
+fn carried(motions: &[(&File, &Motion)], definitions: &Definitions, grips: bool) -> Carried {
+    let of =
+        |(file, motion): &(&File, &Motion)| motion.load.carried(&motion.tool, &file.grip, definitions, grips);
+    let mut all = motions.iter().map(of);
+    let Some(first) = all.next() else { return Carried::unstated() };
+    match all.all(|other| other == first) {
+        true => first,
+        false => Carried::Open("it is used with several loads".into()),
+    }
 }
 
 fn means(to: &str, name: &str) -> bool {
@@ -138,9 +142,13 @@ impl<'f> Names<'f> {
         names
     }
 
-    fn motions_to<'a>(&'a self, files: &'a [File], name: &'a str) -> impl Iterator<Item = &'a Motion> {
-        let all = self.motions.get(bare(name)).into_iter().flatten().map(|&(f, k)| &files[f].motions[k]);
-        all.filter(move |motion| {
+    fn motions_to<'a>(
+        &'a self,
+        files: &'a [File],
+        name: &'a str,
+    ) -> impl Iterator<Item = (&'a File, &'a Motion)> {
+        let all = self.motions.get(bare(name)).into_iter().flatten();
+        all.map(|&(f, k)| (&files[f], &files[f].motions[k])).filter(move |(_, motion)| {
             let to =
                 |destination: &Destination| matches!(destination, Destination::Name(to) if means(to, name));
             motion.destinations.iter().any(to)
@@ -183,9 +191,7 @@ fn note(
     names: &Names<'_>,
     place: usize,
 ) -> Option<Note> {
-    let refusing = |words: &str| {
-        Some(Note { file: place, ..Note::refusing(motion.line, motion.shown.clone(), words.into()) })
-    };
+    let refusing = |words: &str| Some(motion.head.refusing(place, words));
     let name = match destination {
         Destination::Inline(_) => return None,
         Destination::Computed => {
@@ -202,7 +208,7 @@ fn note(
         Some((_, line)) => {
             refusing(&format!("its value is computed in line {line}, maybe from a compensated point"))
         }
-        None => Some(Note::missing(motion.line, motion.shown.clone(), name.clone())),
+        None => Some(motion.head.missing(place, name)),
     }
 }
 
@@ -210,14 +216,8 @@ fn point(text: &[u8], candidate: &Candidate, active: Active, changed: Option<&(S
     let slot = |(range, form): (&Range<usize>, Form)| Slot::padded(text, range.clone(), form);
     let items = candidate.node.items();
     let mut point = Point {
-        name: candidate.name.clone(),
-        line: candidate.line,
-        value: Value::Joints(Vec::new()),
-        external: Vec::new(),
         fixed: changed.map(|(_, line)| format!("line {line} changes it while the program runs")),
-        slots: Vec::new(),
-        written: Vec::new(),
-        turns: Vec::new(),
+        ..Point::new(candidate.name.clone(), candidate.line)
     };
     if let Some(axes) = items.last() {
         point.external = external(axes);
@@ -252,7 +252,7 @@ fn point(text: &[u8], candidate: &Candidate, active: Active, changed: Option<&(S
         return point;
     };
     let [cf1, cf4, cf6, cfx] = [0, 1, 2, 3].map(|k| config[k].0 as i64);
-    let [frame, tool] = active;
+    let [frame, tool, _] = active;
     point.value = Value::Pose { pose, frame, tool, branch: Branch::Abb([cf1, cf4, cf6, cfx]) };
     point.written = numbers;
     point.slots = place.iter().map(|(_, range)| slot((range, Form::Real(3)))).collect();

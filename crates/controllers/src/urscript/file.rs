@@ -1,9 +1,9 @@
-//! What one script says, statement by statement.
+//! One script, statement by statement.
 
 use super::expression::{Expression, arguments, unnamed};
 use crate::ControllerError;
-use crate::flow::{Active, FRAME, Flow, Outer, TOOL};
-use crate::program::Reference;
+use crate::flow::{Active, FRAME, Flow, Head, LOAD, Outer, Step, TOOL};
+use crate::program::{Definition, Reference};
 use crate::tokens::{Cursor, Kind, Lexis, Token, tokens};
 
 const LEXIS: Lexis = Lexis { comment: b'#', quotes: b"\"'", header: None, escapes: true };
@@ -30,31 +30,18 @@ const HARMLESS: [&str; 17] = [
     "str_",
     "to_str",
 ];
+/// Functions that state the load.
+const LOADS: [&str; 4] = ["set_payload", "set_target_payload", "set_payload_mass", "set_payload_cog"];
+const NO_LOAD: &str = "set_payload is not called before";
 /// Beginnings of functions behind which motions are displaced.
 const DISPLACING: [&str; 2] = ["track_conveyor", "path_offset_set"];
 
 /// A destination of a motion.
 #[derive(Debug, Clone)]
 pub(super) struct Motion {
-    pub(super) line: usize,
-    pub(super) verb: String,
+    pub(super) head: Head,
     pub(super) target: Expression,
     pub(super) used: usize,
-    /// Along a line or an arc.
-    pub(super) linear: bool,
-}
-
-/// What happens, in the order of the text.
-#[derive(Debug, Clone)]
-pub(super) enum Step {
-    Motion(usize),
-    Begin(String),
-    End,
-    Call(String),
-    /// The robot moves without a destination.
-    Away {
-        linear: bool,
-    },
 }
 
 #[derive(Debug, Clone, Default)]
@@ -65,8 +52,8 @@ pub(super) struct File {
     pub(super) odd: Vec<(usize, String, Vec<Expression>)>,
     /// Line, name and reason of statements that are refused.
     pub(super) refused: Vec<(usize, String, &'static str)>,
-    /// Loads that are stated: line and words.
-    pub(super) loads: Vec<(usize, String)>,
+    /// Loads that are stated.
+    pub(super) loads: Vec<(String, Definition)>,
     pub(super) uses: Vec<Active>,
     /// Name, value, line.
     pub(super) assigned: Vec<(String, Expression, usize)>,
@@ -78,9 +65,10 @@ impl File {
     pub(super) fn read(text: &[u8]) -> Result<File, ControllerError> {
         let all = tokens(text, LEXIS)?;
         let statements = statements(&all);
-        let setters = setters(text, &statements);
+        let setters = [&["set_tcp"][..], &LOADS].map(|words| setters(text, &statements, words));
         let mut flow = Flow::new("set_tcp is not called before");
         flow.set(FRAME, Reference::Identity);
+        flow.set(LOAD, Reference::Unknown(NO_LOAD.into()));
         let tool = only_tool(text, &statements);
         let mut reader = Reader { text, file: File::default(), flow, open: Vec::new(), setters, tool };
         for statement in &statements {
@@ -123,6 +111,16 @@ fn tool(text: &[u8], part: &[Token]) -> Reference {
     tool.unwrap_or(Reference::Unknown("its value is computed".into()))
 }
 
+/// `[0, 0, 0.05]`
+fn three(text: &[u8], part: &[Token]) -> Option<[f64; 3]> {
+    let mut at = Cursor::new(text, part);
+    let mut values = [0.0; 3];
+    for (k, value) in values.iter_mut().enumerate() {
+        *value = at.take(if k == 0 { b'[' } else { b',' }).then(|| at.number()).flatten()?.0;
+    }
+    (at.take(b']') && at.done()).then_some(values)
+}
+
 /// Lines; those inside of brackets are joined.
 fn statements(all: &[Token]) -> Vec<Vec<Token>> {
     let mut found = Vec::new();
@@ -146,8 +144,8 @@ fn statements(all: &[Token]) -> Vec<Vec<Token>> {
     found
 }
 
-/// Routines that set the tool, directly or by calling one that does.
-fn setters(text: &[u8], statements: &[Vec<Token>]) -> Vec<String> {
+/// Routines that call one of these functions, directly or by calling one that does.
+fn setters(text: &[u8], statements: &[Vec<Token>], words: &[&str]) -> Vec<String> {
     let mut routines: Vec<(String, Vec<String>)> = Vec::new();
     let mut stack: Vec<Option<usize>> = Vec::new();
     for statement in statements {
@@ -175,7 +173,7 @@ fn setters(text: &[u8], statements: &[Vec<Token>]) -> Vec<String> {
             None => {}
         }
     }
-    let mut found: Vec<String> = vec!["set_tcp".into()];
+    let mut found: Vec<String> = words.iter().map(ToString::to_string).collect();
     // Each round takes in the callers of those found; there are at most as many rounds as routines.
     for _ in 0..=routines.len() {
         for (name, called) in &routines {
@@ -184,8 +182,7 @@ fn setters(text: &[u8], statements: &[Vec<Token>]) -> Vec<String> {
             }
         }
     }
-    found.remove(0);
-    found
+    found.split_off(words.len())
 }
 
 struct Reader<'t> {
@@ -194,7 +191,8 @@ struct Reader<'t> {
     flow: Flow,
     /// Blocks that are open; of a routine what was active outside.
     open: Vec<Option<Outer>>,
-    setters: Vec<String>,
+    /// Routines that set the tool, and the load.
+    setters: [Vec<String>; 2],
     /// The tool of all calls of set_tcp, where it is one.
     tool: Option<Reference>,
 }
@@ -247,17 +245,41 @@ impl Reader<'_> {
             if nested { "a routine may be called with another tool" } else { "set_tcp is not called before" };
         let tool = self.tool.clone().filter(|_| nested);
         let tool = tool.unwrap_or_else(|| Reference::Unknown(words.into()));
-        let outer = self.flow.enter([Reference::Identity, tool]);
+        let words = if nested { "a routine may be called with another load" } else { NO_LOAD };
+        let outer = self.flow.enter([Reference::Identity, tool, Reference::Unknown(words.into())]);
         self.open.push(Some(outer));
         self.file.steps.push(Step::Begin(name.into()));
     }
 
-    /// A routine is called that may set the tool.
+    /// A routine is called that may set the tool or the load.
     fn sets(&mut self, name: &str) {
-        if self.setters.iter().any(|setter| setter == name) {
-            let words = format!("{name} is called before, which sets it");
-            self.flow.set(TOOL, Reference::Unknown(words));
+        for (which, setters) in [TOOL, LOAD].into_iter().zip(&self.setters) {
+            if setters.iter().any(|setter| setter == name) {
+                let words = format!("{name} is called before, which sets it");
+                self.flow.set(which, Reference::Unknown(words));
+            }
         }
+    }
+
+    /// `set_payload(2.5, [0, 0, 0.05])`
+    fn load(&mut self, verb: &str, parts: &[&[Token]], line: usize) {
+        let name = format!("{verb} in line {line}");
+        let number = |part: &[Token]| {
+            let mut at = Cursor::new(self.text, part);
+            at.number().filter(|_| at.done()).map(|(value, _)| value)
+        };
+        let mass = parts.first().and_then(|part| number(part));
+        let center = parts.get(1).and_then(|part| three(self.text, part));
+        let definition = match (verb, mass, center) {
+            ("set_payload" | "set_target_payload", Some(mass), Some(center)) => {
+                Definition::Load(mass, center.into())
+            }
+            _ => Definition::Unusable(format!(
+                "{name} has not a mass and a centre of gravity that are numbers"
+            )),
+        };
+        self.file.loads.push((name.clone(), definition));
+        self.flow.set(LOAD, Reference::Named(name));
     }
 
     fn assignment(&mut self, tokens: &[Token], from: usize, line: usize) {
@@ -285,15 +307,11 @@ impl Reader<'_> {
         } else if MOTIONS.contains(&verb) {
             self.motion(verb, &parts, line);
         } else if AWAY.contains(&verb) {
-            self.file.steps.push(Step::Away { linear: verb.ends_with('l') });
+            self.file.steps.push(Step::Away { linear: verb.ends_with('l'), line });
         } else if begins(&DISPLACING) {
             self.file.refused.push((line, verb.into(), "it displaces positions while the program runs"));
-        } else if verb == "set_payload" || verb == "set_target_payload" {
-            let mass = parts.first().map(|part| {
-                let text = part.iter().map(|token| Cursor::new(self.text, part).str_of(token));
-                text.collect::<Vec<_>>().concat()
-            });
-            self.file.loads.push((line, format!("{verb} states {} kg", mass.unwrap_or_default())));
+        } else if LOADS.contains(&verb) {
+            self.load(verb, &parts, line);
         } else if !begins(&HARMLESS) {
             self.sets(verb);
             self.file.steps.push(Step::Call(verb.into()));
@@ -311,7 +329,8 @@ impl Reader<'_> {
             };
             self.file.steps.push(Step::Motion(self.file.motions.len()));
             let linear = !matches!(verb, "movej" | "servoj");
-            self.file.motions.push(Motion { line, verb: verb.into(), target, used, linear });
+            let head = Head { line, shown: verb.into(), linear, odd: None };
+            self.file.motions.push(Motion { head, target, used });
         }
     }
 }

@@ -1,12 +1,13 @@
 //! The points of the first of some scripts, with the frames and tools with which all of them use it.
 
 use super::expression::{Expression, Six};
-use super::file::{File, Motion, Step};
+use super::file::{File, Motion};
 use crate::Dialect;
 use crate::event::{Event, Visit};
-use crate::flow::{FRAME, TOOL};
+use crate::flow::{Active, FRAME, LOAD, of_all, unknown};
+use crate::note::Note;
 use crate::number::{Form, Slot};
-use crate::program::{Branch, Definition, Definitions, Note, Point, Program, Reference, Value};
+use crate::program::{Branch, Definition, Definitions, Point, Program, Reference, Value};
 use std::collections::HashMap;
 use truepose_kinematics::Pose;
 
@@ -98,6 +99,7 @@ impl<'f> Names<'f> {
     fn frame(&self, expression: Option<&'f Expression>) -> Reference {
         match expression {
             None => Reference::Identity,
+            Some(Expression::Name(name)) if self.named(name).is_some() => Reference::Named(name.clone()),
             Some(expression) => self
                 .literal(expression)
                 .and_then(|six| Dialect::UrScript.pose(&six.values))
@@ -112,7 +114,7 @@ struct Found<'f> {
     six: &'f Six,
     joints: bool,
     fixed: Option<String>,
-    uses: Vec<[Reference; 2]>,
+    uses: Vec<Active>,
     near: Vec<Option<Vec<f64>>>,
 }
 
@@ -127,17 +129,11 @@ pub(super) fn program(text: &[u8], files: &[File]) -> Program {
     };
     let mut route: Vec<Vec<Event>> = Vec::new();
     for (place, file) in files.iter().enumerate() {
-        let event = |step: &Step| match step {
-            Step::Begin(name) => Event::Begin(name.clone()),
-            Step::End => Event::End,
-            Step::Call(name) => Event::Call(name.clone()),
-            Step::Away { linear } => Visit::event(Vec::new(), *linear),
-            Step::Motion(number) => {
-                let motion = &file.motions[*number];
-                Visit::event(reading.motion(file, motion, place), motion.linear)
-            }
+        let mut visits = |number: usize| {
+            let motion = &file.motions[number];
+            vec![Visit::event(reading.motion(file, motion, place), motion.head.linear, motion.head.line)]
         };
-        route.push(file.steps.iter().map(event).collect());
+        route.push(file.steps.iter().flat_map(|step| step.events(&mut visits)).collect());
         let refusing = |line: &usize, name: &String, words: &str| {
             let note = Note::refusing(*line, name.clone(), words.into());
             Note { file: place, ..note }
@@ -147,10 +143,11 @@ pub(super) fn program(text: &[u8], files: &[File]) -> Program {
         reading.notes.extend(odd.map(|(line, name, _)| refusing(line, name, words)));
         reading.notes.extend(file.refused.iter().map(|(line, name, words)| refusing(line, name, words)));
     }
-    let mut notes = reading.notes;
-    notes.extend(files[0].loads.iter().map(|(line, words)| Note::load(*line, words.clone())));
-    let points = reading.found.iter().map(|found| point(text, found)).collect();
-    let definitions = reading.definitions;
+    let (notes, mut definitions) = (reading.notes, reading.definitions);
+    for (name, load) in files.iter().flat_map(|file| &file.loads) {
+        definitions.put(name.clone(), load.clone());
+    }
+    let points = reading.found.iter().map(|found| point(text, found, &definitions)).collect();
     let mut program =
         Program { dialect: Dialect::UrScript, text: text.to_vec(), points, definitions, route, notes };
     in_order_of_text(&mut program);
@@ -173,10 +170,12 @@ impl<'f> Reading<'f> {
         let target = apart(&motion.target);
         let mut active = file.uses[motion.used].clone();
         active[FRAME] = names.frame(target.frame);
-        if let Reference::Named(name) = &active[TOOL]
-            && let Some(pose) = names.named(name).and_then(|six| Dialect::UrScript.pose(&six.values))
-        {
-            self.definitions.put(name.clone(), Definition::Value(pose));
+        for reference in &active[..LOAD] {
+            if let Reference::Named(name) = reference
+                && let Some(pose) = names.named(name).and_then(|six| Dialect::UrScript.pose(&six.values))
+            {
+                self.definitions.put(name.clone(), Definition::Value(pose));
+            }
         }
         let near = target.near.map(|near| names.literal(near).map(|six| six.values.to_vec()));
         let literals = literals(names, &target, motion, place);
@@ -221,10 +220,10 @@ type Literal<'f> = (String, &'f Six, bool, Option<String>);
 fn literals<'f>(names: &Names<'f>, target: &Target<'f>, motion: &Motion, place: usize) -> Vec<Literal<'f>> {
     match target.inner {
         Expression::Pose(six) if place == 0 => {
-            vec![(format!("{} in line {}", motion.verb, motion.line), six, false, None)]
+            vec![(format!("{} in line {}", motion.head.shown, motion.head.line), six, false, None)]
         }
         Expression::Joints(six) if place == 0 => {
-            vec![(format!("{} in line {}", motion.verb, motion.line), six, true, None)]
+            vec![(format!("{} in line {}", motion.head.shown, motion.head.line), six, true, None)]
         }
         Expression::Name(name) => {
             let values = names.values(name);
@@ -251,8 +250,7 @@ fn note(names: &Names<'_>, target: &Target<'_>, motion: &Motion, place: usize) -
     if let Expression::Name(name) = target.inner {
         let values = names.values(name);
         if values.is_empty() {
-            let note = Note::missing(motion.line, motion.verb.clone(), name.clone());
-            return Some(Note { file: place, ..note });
+            return Some(motion.head.missing(place, name));
         }
         if values.iter().all(|(file, ..)| *file > 0) || place > 0 {
             return None;
@@ -263,12 +261,13 @@ fn note(names: &Names<'_>, target: &Target<'_>, motion: &Motion, place: usize) -
     }
     let words =
         "the position is computed while the program runs: from a compensated point it comes out displaced";
-    Some(Note { file: place, ..Note::refusing(motion.line, motion.verb.clone(), words.into()) })
+    Some(motion.head.refusing(place, words))
 }
 
-fn point(text: &[u8], found: &Found<'_>) -> Point {
-    let unused = || Reference::Unknown("no motion goes to it".into());
-    let [frame, tool] = crate::flow::of_all(found.uses.iter(), &[unused(), unused()]);
+fn point(text: &[u8], found: &Found<'_>, definitions: &Definitions) -> Point {
+    let active = of_all(found.uses.iter(), &unknown("no motion goes to it"));
+    let carried = definitions.load(&active[LOAD]);
+    let [frame, tool, _] = active;
     let mut fixed = found.fixed.clone();
     let mut near = found.near.clone();
     near.dedup();
@@ -292,6 +291,7 @@ fn point(text: &[u8], found: &Found<'_>) -> Point {
         line: found.six.line,
         value,
         external: Vec::new(),
+        carried,
         fixed,
         slots,
         written: found.six.values.to_vec(),

@@ -38,6 +38,8 @@ fn changed(read: &Program, draw: &mut Draw) -> Vec<Option<Replacement>> {
     read.points()
         .iter()
         .map(|point| point.fixed.is_none().then(|| moved(point, read.dialect(), draw)))
+        // Numbers above are not read.
+        .map(|new| new.filter(|new| new.numbers.iter().all(|value| value.abs() < 1e9)))
         .collect()
 }
 

@@ -4,6 +4,8 @@
 
 mod configurations;
 mod corpus;
+mod counted;
 mod grammars;
+mod loads;
 mod programs;
 mod understood;

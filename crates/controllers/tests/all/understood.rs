@@ -101,6 +101,34 @@ fn krl_settings_of_a_spline_and_of_a_motion_end_with_it() {
 }
 
 #[test]
+fn krl_frames_that_change_while_the_program_runs_are_not_known() {
+    let place = "LIN {X 1,Y 2,Z 3,A 4,B 5,C 6}\n";
+    let data = "BASE_DATA[1]={X 1,Y 2,Z 3,A 0,B 0,C 0}\nBASE_DATA[2]={X 5,Y 2,Z 3,A 0,B 0,C 0}\n";
+    let text = |more: &str| format!("DEF a()\n$TOOL=$NULLFRAME\n$BASE=BASE_DATA[1]\n{more}{place}END\n");
+    let read =
+        |text: &str| Program::read(text.as_bytes(), &[data.as_bytes()], Dialect::Krl).expect("a program");
+    let frame = |program: &Program| match &program.points()[0].value {
+        Value::Pose { frame: Reference::Named(name), .. } => match program.definitions().get(name) {
+            Ok(Some(_)) => "known".into(),
+            Ok(None) => "none".into(),
+            Err(words) => words,
+        },
+        Value::Pose { frame: Reference::Unknown(words), .. } => words.clone(),
+        _ => "other".into(),
+    };
+    assert_eq!(frame(&read(&text(""))), "known");
+    assert_eq!(frame(&read(&text("BASE_DATA[2].Z=5\n"))), "known");
+    assert_eq!(frame(&read(&text("$BASE.Z=$BASE.Z+10\n"))), "a part of it is set in line 4");
+    for change in ["BASE_DATA[1].Z=5\n", "BASE_DATA[1]=CALC(3)\n", "BASE_DATA[I]=F\n"] {
+        assert_eq!(
+            frame(&read(&text(change))),
+            "line 4 changes BASE_DATA[1] while the program runs",
+            "{change}"
+        );
+    }
+}
+
+#[test]
 fn fanuc_options_are_known_or_refused_in_the_language_of_the_controller() {
     let place = |number: usize, key: &str| {
         format!(
@@ -159,7 +187,6 @@ fn script_functions_that_are_not_known_are_refused_where_they_have_a_place() {
                 if (a): movel(w)\n  end\n  track_conveyor_linear(p[1,0,0,0,0,0], 5)\n  set_digital_out(1, True)\n  set_payload(2.5, [0,0,0.05])\nend\n";
     let program = read(Dialect::UrScript, text);
     assert_eq!(refused(&program), [5, 6, 8, 10], "{:?}", program.notes());
-    assert!(program.notes().iter().any(|note| note.load && note.words == "set_payload states 2.5 kg"));
 }
 
 #[test]
@@ -179,6 +206,19 @@ fn frames_and_tools_of_a_controller_are_read_from_its_files() {
     assert!(of("UT2").is_some_and(|place| (place.z - 210.0).abs() < 1e-9));
     assert_eq!(of("UF2"), None);
     assert!(all[1].points().is_empty());
+
+    let base = "MOC:CFG_1.0:5:0::\n#\nROBOT:\n\n      -name \"ROB_1\" -use_joint_1 \"rob1_1\" \\\n      -base_frame_pos_x 0.5 -base_frame_orient_u0 0 \\\n      -base_frame_orient_u3 1\n#\nSINGLE:\n      -name \"T\" -base_frame_pos_x 9\n";
+    let all =
+        Program::read_all(&[module(&[]).as_bytes(), base.as_bytes()], Dialect::Rapid).expect("programs");
+    let root = all[0].definitions().get("$ROBROOT").expect("usable").expect("a base");
+    assert!((root.translation.x - 0.5).abs() < 1e-12 && (root.rotation[(0, 0)] + 1.0).abs() < 1e-12);
+    let two = base.replace("#\nSINGLE", "      -name \"ROB_2\"\n#\nSINGLE");
+    let all = Program::read_all(&[module(&[]).as_bytes(), two.as_bytes()], Dialect::Rapid).expect("programs");
+    assert!(all[0].definitions().get("$ROBROOT").unwrap_err().contains("several robots"));
+    let track = base.replace("#\nSINGLE", "      -base_frame_coordinated \"T\"\n#\nSINGLE");
+    let all =
+        Program::read_all(&[module(&[]).as_bytes(), track.as_bytes()], Dialect::Rapid).expect("programs");
+    assert_eq!(all[0].definitions().get("$ROBROOT"), Ok(None));
 
     let job = "/JOB\n//NAME A\n//POS\n///TOOL 3\n///POSTYPE USER\n///USER 2\n///RECTAN\nC00000=1,2,3,0,0,0\n//INST\nMOVL C00000 V=5.0\nEND\n";
     let user = "//UFRAME 2\r\n///NAME TABLE\r\n///TOOL 0\r\n////BUSER 700.000,10.000,0.000,0.0000,0.0000,90.0000\r\n";

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 const SINGULAR: &str = "unchanged at a wrist singularity";
 
 /// Corrections as the page shows them.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct ProgramView {
     /// The robot's name.
     pub robot: String,
@@ -22,6 +22,9 @@ pub struct ProgramView {
     pub dry_run: bool,
     /// Names and units of the joints below: degrees or mm.
     pub joints: Vec<String>,
+    /// Frames of its points about which nothing is stated: whether they were taught with the uncorrected robot.
+    #[serde(default)]
+    pub open_frames: Vec<String>,
     /// Statements of the program whose positions are not in it.
     pub notes: Vec<String>,
     /// One for each point, in the order of the file.
@@ -105,6 +108,7 @@ pub fn program_report(view: &ProgramView, run: &RunRecord) -> Report {
     }
     page.end_of_sheet();
     corrections(&mut page, view);
+    frames(&mut page, view);
     refused(&mut page, view);
     listed(&mut page, view);
     if !view.notes.is_empty() {
@@ -165,6 +169,22 @@ fn corrections(page: &mut Page, view: &ProgramView) {
         "RMS in cells over the workspace (measurement frame; each chart has its own scale). Right: distance from the desired position \
          within which the tool lies with 95 % probability, from noise and from the uncertainty of the coefficients.",
     );
+}
+
+/// What a frame that was taught does to its points.
+fn frames(page: &mut Page, view: &ProgramView) {
+    if view.open_frames.is_empty() {
+        return;
+    }
+    page.section("Frames");
+    page.text(&format!(
+        "How these frames were made is not stated: {}. A frame that was taught by touching points with this robot, before it was \
+         compensated, is displaced by the robot's errors there: in it the uncompensated robot was right near the touched points. This \
+         program takes the frame as right and compensates the errors once more, which can make the fixture worse than before. \
+         State the joints at which it was touched (--taught NAME=FILE), and its points are compensated relative to the fixture where it \
+         really is. A frame that was measured or that is one of a drawing needs nothing else: --measured NAME, --cad NAME.",
+        view.open_frames.join(", ")
+    ));
 }
 
 fn refused(page: &mut Page, view: &ProgramView) {

@@ -1,11 +1,13 @@
 //! `truepose compensate --program`: a robot program with compensated points.
 
 mod asked;
+mod folder;
 mod outputs;
 mod places;
 mod rewriting;
 mod rows;
 mod statements;
+mod taught;
 
 use super::print_json;
 use super::reporting::Folder;
@@ -20,6 +22,7 @@ use outputs::outputs;
 pub(crate) use rewriting::{Rewritten, rewrite};
 use std::path::{Path, PathBuf};
 use truepose_controllers::Outcome;
+use truepose_errormodel::FittedModel;
 use truepose_io::{WholeFiles, check_writable, corrections_file, read_fit};
 use truepose_report::{count, millimetres, program_report};
 
@@ -33,17 +36,15 @@ pub fn table_of(out: &Path) -> PathBuf {
     name.into()
 }
 
-/// Runs it; `read` are the files that it reads, with their options.
+/// Runs it, of one program or of all in a folder; `read` are the files that it reads, with their options.
 pub fn run(args: &Compensate, file: &Path, read: &[NamedFile]) -> Result<(), Failure> {
+    if file.is_dir() {
+        return folder::run(args, file);
+    }
     check_writable(&args.out)?;
     check_writable(table_of(&args.out))?;
     let folder = Folder::with_head(args.report.as_ref(), "compensation.json", args.certificate.as_ref())?;
-    let fitted = chosen(
-        usable(&args.fit, read_fit(&args.fit, effects())?, args.accept.accept)?,
-        args.session.as_deref(),
-        false,
-    )?
-    .of_robot();
+    let fitted = fitted(args)?;
     let own = &args.robot_program;
     let asked = Asked { own, frame: &args.frame, tcp: &args.tcp, frames: args.frames.as_deref() };
     let made = rewrite(&fitted, file, &asked)?;
@@ -55,7 +56,13 @@ pub fn run(args: &Compensate, file: &Path, read: &[NamedFile]) -> Result<(), Fai
     }
     if let Some(folder) = &folder {
         let inputs = [Some(&args.fit), own.program.as_ref(), args.frames.as_ref(), args.certificate.as_ref()];
-        let inputs: Vec<&Path> = inputs.into_iter().flatten().chain(&own.with).map(|file| &**file).collect();
+        let inputs: Vec<&Path> = inputs
+            .into_iter()
+            .flatten()
+            .chain(&own.with)
+            .chain(own.taught.iter().map(|taught| &taught.file))
+            .map(|file| &**file)
+            .collect();
         folder.add(&mut files, &made.view, &inputs, |run| Ok(program_report(&made.view, run)))?;
     }
     for line in &made.notes {
@@ -70,6 +77,12 @@ pub fn run(args: &Compensate, file: &Path, read: &[NamedFile]) -> Result<(), Fai
     }
     said(args, &made, &outputs);
     Ok(())
+}
+
+/// The fit of the robot alone, in one session.
+fn fitted(args: &Compensate) -> Result<FittedModel, Failure> {
+    let fitted = usable(&args.fit, read_fit(&args.fit, effects())?, args.accept.accept)?;
+    Ok(chosen(fitted, args.session.as_deref(), false)?.of_robot())
 }
 
 /// `1 corrected, 2 refused`.

@@ -1,6 +1,8 @@
 //! Frames, tools and conditions of a program, from the options.
 
 use super::asked::Asked;
+use super::statements::loads;
+use super::taught::taught;
 use crate::args::{GivenPlace, Place};
 use crate::failure::Failure;
 use crate::verbs::parameters::recorded_frames;
@@ -43,6 +45,8 @@ pub(super) fn options(
         channels: own.channel.clone(),
         limit: own.limit,
         external: own.external.clone(),
+        taught: taught(asked, fitted)?,
+        stated: own.measured.iter().chain(&own.cad).cloned().collect(),
         ignore_external: own.ignore_external,
         ..CorrectOptions::default()
     };
@@ -82,6 +86,8 @@ pub(super) fn options(
         options.turn_axes =
             Some(axes.map_err(|_| Failure::Input("--turn-axes: three axes are needed, as in 1,4,6".into()))?);
     }
+    // Without loads in the data no load has an effect in the model.
+    options.program_loads = own.payload.is_none() && loads(fitted).is_some();
     if let Some(mass) = own.payload {
         if !(mass.is_finite() && mass >= 0.0) {
             return Err(Failure::Input(format!("--payload: {mass} is no mass; it has to be 0 or more")));

@@ -1,8 +1,8 @@
 //! The files of a robot program with compensated points.
 
-use super::asked::Asked;
+use super::asked::{Asked, Files};
 use super::rows::{Part, rows, view};
-use super::{LISTED, places, statements};
+use super::{LISTED, places, statements, taught};
 use crate::failure::Failure;
 use std::path::{Path, PathBuf};
 use truepose_controllers::{ControllerError, Correction, Dialect, Outcome, Program, correct_all, unused};
@@ -32,11 +32,37 @@ pub(crate) struct Rewritten {
     pub refused: Vec<(PathBuf, usize, String)>,
     /// What is to be known of it.
     pub notes: Vec<String>,
+    /// Names of options that it does not have, and in words.
+    pub unused: Vec<(String, String)>,
 }
 
 /// Rewrites the program of a file, and the further files that have points of it. `fitted` is that of the robot alone, in one session.
 pub(crate) fn rewrite(fitted: &FittedModel, file: &Path, asked: &Asked<'_>) -> Result<Rewritten, Failure> {
+    let own = std::iter::once(file).chain(asked.own.with.iter().map(AsRef::as_ref)).collect();
+    let made = rewritten(fitted, &Files { own, tables: Vec::new() }, asked)?;
+    let mut made = made.ok_or_else(|| {
+        Failure::Input(format!(
+            "{}: nothing to compensate: no point has a value in the files given; add the file that has them (--with FILE)",
+            file.display()
+        ))
+    })?;
+    let unused = made.unused.iter().map(|(_, words)| words.clone()).collect::<Vec<_>>();
+    if let Some(words) = unused.iter().find(|words| words.starts_with("--leave")) {
+        return Err(Failure::Input(words.clone()));
+    }
+    made.view.notes.splice(..0, unused.iter().cloned());
+    made.notes.splice(..0, unused);
+    Ok(made)
+}
+
+/// The same with the files told apart; none where no point has a value.
+pub(super) fn rewritten(
+    fitted: &FittedModel,
+    files: &Files<'_>,
+    asked: &Asked<'_>,
+) -> Result<Option<Rewritten>, Failure> {
     let own = asked.own;
+    let file = files.own[0];
     let about = |file: &Path, error: ControllerError| {
         let joint = match error {
             ControllerError::Syntax { .. } => ":",
@@ -48,7 +74,7 @@ pub(crate) fn rewrite(fitted: &FittedModel, file: &Path, asked: &Asked<'_>) -> R
         Some(dialect) => dialect,
         None => Dialect::of_file(file).map_err(|error| about(file, error))?,
     };
-    let paths: Vec<&Path> = std::iter::once(file).chain(own.with.iter().map(AsRef::as_ref)).collect();
+    let paths: Vec<&Path> = files.own.iter().chain(&files.tables).copied().collect();
     let texts: Vec<Vec<u8>> = paths.iter().map(read_bytes).collect::<Result<_, _>>()?;
     let slices: Vec<&[u8]> = texts.iter().map(Vec::as_slice).collect();
     let programs = Program::read_all(&slices, dialect).map_err(|(k, error)| about(paths[k], error))?;
@@ -58,25 +84,26 @@ pub(crate) fn rewrite(fitted: &FittedModel, file: &Path, asked: &Asked<'_>) -> R
     let taken: Vec<Vec<bool>> = programs
         .iter()
         .enumerate()
-        .map(|(k, program)| if k == 0 { vec![true; program.points().len()] } else { program.reached() })
+        .map(|(k, program)| match k {
+            0 => vec![true; program.points().len()],
+            _ if k < files.own.len() => program.reached(),
+            _ => vec![false; program.points().len()],
+        })
         .collect();
-    leave(&own.leave, &programs, &mut corrections)?;
-    let parts: Vec<Part<'_>> = (0..programs.len())
+    let mut unused = unused(&programs, &options);
+    unused.extend(leave(&own.leave, &programs, &mut corrections));
+    let parts: Vec<Part<'_>> = (0..files.own.len())
         .map(|k| Part { file: paths[k], program: &programs[k], corrections: &corrections[k], own: &taken[k] })
         .collect();
     let refused = refusals(&parts, &own.leave);
-    let mut stated = unused(&programs, &options);
     if !refused.is_empty() && !own.mark && !own.dry_run {
-        return Err(rejected(&parts, &refused, &stated));
+        return Err(rejected(&parts, &refused, &unused));
     }
     if !own.dry_run && !taken.iter().flatten().any(|own| *own) {
-        return Err(Failure::Input(format!(
-            "{}: nothing to compensate: no point has a value in the files given; add the file that has them (--with FILE)",
-            file.display()
-        )));
+        return Ok(None);
     }
     if !own.dry_run && left_unchanged(&parts, &own.leave) {
-        return Err(rejected(&parts, &refused, &stated));
+        return Err(rejected(&parts, &refused, &unused));
     }
     let mut files = Vec::new();
     for (k, part) in parts.iter().enumerate() {
@@ -92,11 +119,11 @@ pub(crate) fn rewrite(fitted: &FittedModel, file: &Path, asked: &Asked<'_>) -> R
         };
         files.push(RewrittenFile { file: part.file.into(), text, rows: rows(part) });
     }
-    stated.extend(statements::statements(fitted, &parts, &options, own.payload));
-    let mut view = view(fitted, &parts, own.dry_run);
+    let mut stated = statements::statements(fitted, &parts, &options);
+    let mut view = view(fitted, &parts, own.dry_run, taught::open(&parts, &options));
     view.notes.extend(stated.iter().cloned());
     stated.extend(notes(&parts, &own.leave));
-    Ok(Rewritten { files, view, refused, notes: stated })
+    Ok(Some(Rewritten { files, view, refused, notes: stated, unused }))
 }
 
 /// Whether nothing is compensated, and something is refused: the program would be the one that was read.
@@ -112,15 +139,19 @@ fn left(names: &[String], name: &str) -> bool {
     names.iter().any(|left| left.eq_ignore_ascii_case(name))
 }
 
-/// Leaves the points of these names as they are.
-fn leave(names: &[String], programs: &[Program], corrections: &mut [Vec<Correction>]) -> Result<(), Failure> {
+/// Leaves the points of these names as they are; names that are not there, and in words.
+fn leave(
+    names: &[String],
+    programs: &[Program],
+    corrections: &mut [Vec<Correction>],
+) -> Vec<(String, String)> {
     let points = || programs.iter().flat_map(Program::points).map(|point| &point.name);
     let missing = || programs.iter().flat_map(Program::notes).filter_map(|note| note.missing.as_ref());
-    if let Some(unknown) =
-        names.iter().find(|name| !points().chain(missing()).any(|other| other.eq_ignore_ascii_case(name)))
-    {
-        return Err(Failure::Input(format!("--leave: no point of the program is called `{unknown}`")));
-    }
+    let unknown =
+        names.iter().filter(|name| !points().chain(missing()).any(|other| other.eq_ignore_ascii_case(name)));
+    let unknown = unknown
+        .map(|name| (name.clone(), format!("--leave: no point of the program is called `{name}`")))
+        .collect();
     for (program, corrections) in programs.iter().zip(corrections) {
         for (point, correction) in program.points().iter().zip(corrections) {
             if left(names, &point.name) {
@@ -130,7 +161,7 @@ fn leave(names: &[String], programs: &[Program], corrections: &mut [Vec<Correcti
             }
         }
     }
-    Ok(())
+    unknown
 }
 
 /// A line for each point and statement that stands against the program.
@@ -167,7 +198,7 @@ fn notes(parts: &[Part<'_>], leave: &[String]) -> Vec<String> {
     let mut all = Vec::new();
     for part in parts {
         let file = part.file.display();
-        for note in part.program.notes().iter().filter(|note| note.file == 0 && !note.refuses && !note.load) {
+        for note in part.program.notes().iter().filter(|note| note.file == 0 && !note.refuses) {
             if note.missing.as_ref().is_none_or(|point| left(leave, point)) {
                 all.push(format!("{file}:{}: {}: {}: it stays as it is", note.line, note.name, note.words));
             }
@@ -191,7 +222,11 @@ fn notes(parts: &[Part<'_>], leave: &[String]) -> Vec<String> {
     all
 }
 
-fn rejected(parts: &[Part<'_>], refused: &[(PathBuf, usize, String)], stated: &[String]) -> Failure {
+fn rejected(
+    parts: &[Part<'_>],
+    refused: &[(PathBuf, usize, String)],
+    unused: &[(String, String)],
+) -> Failure {
     let mut lines: Vec<String> = refused
         .iter()
         .take(LISTED)
@@ -200,7 +235,7 @@ fn rejected(parts: &[Part<'_>], refused: &[(PathBuf, usize, String)], stated: &[
     if refused.len() > LISTED {
         lines.push(format!("and {} more", refused.len() - LISTED));
     }
-    lines.extend_from_slice(stated);
+    lines.extend(unused.iter().map(|(_, words)| words.clone()));
     let points: usize = parts.iter().map(|part| part.own.iter().filter(|own| **own).count()).sum();
     let statements = parts
         .iter()

@@ -50,7 +50,12 @@ pub(super) fn rows(part: &Part<'_>) -> Vec<CorrectionRow> {
     points.filter(|(_, own)| **own).map(|(pair, _)| one(pair)).collect()
 }
 
-pub(super) fn view(fitted: &FittedModel, parts: &[Part<'_>], dry_run: bool) -> ProgramView {
+pub(super) fn view(
+    fitted: &FittedModel,
+    parts: &[Part<'_>],
+    dry_run: bool,
+    open_frames: Vec<String>,
+) -> ProgramView {
     let chain = fitted.chain();
     let variables = |values: &Vec<f64>| {
         let mut joints = values.clone();
@@ -80,7 +85,7 @@ pub(super) fn view(fitted: &FittedModel, parts: &[Part<'_>], dry_run: bool) -> P
         }
     };
     let notes = parts.iter().flat_map(|part| {
-        let own = part.program.notes().iter().filter(|note| note.file == 0 && !note.load);
+        let own = part.program.notes().iter().filter(|note| note.file == 0);
         own.map(|note| {
             let words = format!("{}, line {}: {}: {}", short(part.file), note.line, note.name, note.words);
             if note.missing.is_some() { format!("{words}: it stays as it is") } else { words }
@@ -92,6 +97,7 @@ pub(super) fn view(fitted: &FittedModel, parts: &[Part<'_>], dry_run: bool) -> P
         program: first.map(|part| short(part.file)).unwrap_or_default(),
         language: first.map(|part| part.program.dialect().word().into()).unwrap_or_default(),
         dry_run,
+        open_frames,
         joints: joint_names(chain),
         notes: notes.collect(),
         points: points.map(one).collect(),
