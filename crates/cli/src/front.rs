@@ -14,6 +14,7 @@ use crate::library::{Known, ROBOTS};
 use crate::recorded;
 use crate::verbs::expected::Expected;
 use crate::verbs::export::{Wanted, text};
+use crate::verbs::installation::Undeclared;
 use crate::verbs::mistakes::Mistakes;
 use crate::verbs::vertical::settled;
 use crate::verbs::{
@@ -100,6 +101,20 @@ pub fn split_words(split: &Split) -> String {
 /// A step of a discovery, in words.
 pub fn progress_words(step: &Progress) -> String {
     discover::progress_text(step)
+}
+
+/// The robot of a URDF for measurements of an instrument, with its base and its tool as unknown where that is `undeclared`; and that in words.
+/// `None` where nothing is unknown, or no instrument measured.
+///
+/// # Errors
+/// When a pose of the robot is not finite.
+pub fn opened(
+    chain: &Chain,
+    data: &Dataset,
+    undeclared: [bool; 2],
+) -> Result<Option<(Chain, String)>, String> {
+    let [base, tool] = undeclared;
+    Undeclared { base, tool }.unknown(chain, data).map_err(|failure| failure.to_string())
 }
 
 /// What seems wrong with measurements, in words with this name of the data, and the rows without those in which one mistake is known: none where all
@@ -215,7 +230,7 @@ pub struct Commanded {
 /// # Errors
 /// When a signal that the model needs is missing, or the robot has too many joints.
 pub fn command(fitted: &FittedModel, poses: &mut Poses) -> Result<Vec<Commanded>, CompensateError> {
-    let (commands, expected) = compensate::commanded(fitted, poses, None, &|| ())?;
+    let (commands, expected) = compensate::commanded(fitted, poses, (None, None), &|| ())?;
     let channels = poses.rows.derived_for(fitted.model())?.schema.channels.clone();
     let one = |(command, Expected { within_95, corrected, beyond, .. }): (Command, Expected)| {
         let beyond = beyond::words(&beyond, fitted.chain(), &channels);

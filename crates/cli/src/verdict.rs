@@ -5,7 +5,9 @@ use crate::terminal;
 use serde_json::{Value, json};
 use std::path::Path;
 use truepose_errormodel::FittedModel;
-use truepose_report::{DiscoverySummary, IdentificationSummary, StageSummary, Verdict};
+use truepose_report::{
+    Correction, DiscoverySummary, IdentificationSummary, SpecificationLines, StageSummary, Verdict,
+};
 
 /// Where a fit has it.
 const KEY: &str = "verdict";
@@ -48,14 +50,14 @@ impl FitVerdict {
         };
         FitVerdict {
             contradicted: worse.is_some_and(|(alone, declared)| declared > WORSE * alone),
-            failed: summary.specification.as_ref().map(|of| of.verdict == Verdict::Fail),
+            failed: failed(summary.specification.as_ref()),
             ..FitVerdict::converged(summary.converged)
         }
     }
 
     /// Of a search.
     pub fn discovered(summary: &DiscoverySummary, converged: bool) -> Self {
-        let failed = summary.specification.as_ref().map(|of| of.verdict == Verdict::Fail);
+        let failed = failed(summary.specification.as_ref());
         FitVerdict { failed, ..FitVerdict::converged(converged) }
     }
 
@@ -70,6 +72,12 @@ impl FitVerdict {
         });
         fitted.provenance.insert(KEY.into(), words);
     }
+}
+
+/// Whether the robot fails its specification with the fit; none where nothing is done with the fit.
+fn failed(specification: Option<&SpecificationLines>) -> Option<bool> {
+    let of = &specification.filter(|of| of.judged.correction != Correction::None)?.judged;
+    Some(of.verdict == Verdict::Fail)
 }
 
 /// Why a fit is not to be used, in words; nothing where nothing is known against it.

@@ -12,6 +12,7 @@ use crate::observer::Begin;
 use crate::problem::joint_noise::joint_repeatability;
 use crate::problem::linearisation::Linearisation;
 use crate::progress::Progress;
+use crate::revise::naming::named;
 use crate::revise::revision::{after_finding, descended, reconsidered_once};
 use crate::screen::candidates::Screen;
 use crate::screen::multiplicity::Multiplicity;
@@ -95,6 +96,7 @@ pub(crate) fn search(
             continue;
         }
         outcome.untestable = untestable(&linearisation, &screen, outcome.last.detectable_gain);
+        outcome.model = named(context, outcome.model)?;
         outcome.model = without_insignificant(context, outcome.model, &mut outcome.refused)?;
         outcome.stopped = stop.unwrap_or(match p_value > options.alpha {
             true => Termination::NothingLeft,

@@ -28,11 +28,11 @@ pub mod testkit;
 
 pub use aim::{Aim, RobotPoint};
 pub use dataset::{
-    CARRIED, Channel, Dataset, DatasetBuilder, Dwell, DwellTolerance, History, KIND, LANDMARK, MEETS,
-    Measurement, POINT, RAY, Ray, Record, SENSOR, SESSION, Schema, Seen, SessionRules, TOOL, VALUE, Visits,
-    approach_from_order, configurations, follow, history_channel, history_of, is_derived, is_of_observation,
-    late_channel, own_channel, presliding, presliding_channel, presliding_of, step_channel, step_of,
-    visits_from_rows,
+    CARRIED, Channel, Dataset, DatasetBuilder, Dwell, DwellOptions, DwellTolerance, History, KIND, LANDMARK,
+    MEETS, Measurement, Moving, POINT, RAY, Ray, Record, SENSOR, SESSION, Schema, Seen, Segmented,
+    SessionRules, Standstills, Streams, TOOL, VALUE, Visits, approach_from_order, configurations, follow,
+    history_channel, history_of, is_derived, is_of_observation, late_channel, own_channel, presliding,
+    presliding_channel, presliding_of, step_channel, step_of, visits_from_rows,
 };
 pub use effect::{AnyEffect, Column, Effect, NonlinearParameter, Search, UNBOUNDED};
 pub use emission::{Emission, Entry};

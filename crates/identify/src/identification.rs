@@ -272,7 +272,11 @@ pub fn as_found(
 }
 
 /// Errors of the installation, and of the further ones that sessions have.
-fn installation(placed: &Chain, effects: &[Box<dyn AnyEffect>], data: &Dataset) -> Vec<Box<dyn AnyEffect>> {
+pub(crate) fn installation(
+    placed: &Chain,
+    effects: &[Box<dyn AnyEffect>],
+    data: &Dataset,
+) -> Vec<Box<dyn AnyEffect>> {
     let own = [Landmarks::FAMILY, Observed::FAMILY];
     let met = (0..data.len()).any(|row| data.meets(row).is_some());
     let touched = met || effects.iter().any(|effect| own.contains(&effect.kind()));
@@ -302,7 +306,7 @@ fn frames_only(chain: &Chain) -> Geometric {
     Geometric { frames: Some(frames), components: None }
 }
 
-fn nominal_residuals(chain: &Chain, data: &Dataset) -> Result<Residuals, IdentifyError> {
+pub(crate) fn nominal_residuals(chain: &Chain, data: &Dataset) -> Result<Residuals, IdentifyError> {
     let bare = ErrorModel::new(chain.clone(), Vec::new())?;
     Residuals::of(&FittedModel::new(bare, Vec::new(), DMatrix::zeros(0, 0))?, data)
 }

@@ -35,6 +35,7 @@ mod shapes;
 mod streamed;
 mod student;
 mod suspicion;
+mod uncorrected;
 mod variance;
 mod vertical;
 
@@ -80,6 +81,7 @@ pub use streamed::{
 pub use student::student_quantile;
 pub use suspicion::{Cause, Suspicion, suspicion, suspicions};
 pub use truepose_errormodel::NoiseModel;
+pub use uncorrected::{Uncorrected, uncorrected};
 pub use variance::estimate_noise;
 pub use vertical::{Vertical, vertical};
 

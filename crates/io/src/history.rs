@@ -16,6 +16,9 @@ pub struct LookRecord {
     pub data: String,
     /// Its SHA-256.
     pub data_sha256: String,
+    /// When it was measured, year-month-day.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub date: Option<String>,
     /// Rows.
     pub rows: usize,
     /// Pose measurements.
@@ -105,6 +108,7 @@ mod tests {
         history.looks.push(LookRecord {
             data: "monday.csv".into(),
             data_sha256: "b".into(),
+            date: Some("2026-03-02".into()),
             rows: 36,
             poses: 12,
             rms_mm: 0.1,

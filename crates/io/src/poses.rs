@@ -96,7 +96,7 @@ pub struct CommandRow {
     pub joints: Vec<f64>,
     /// What became of the pose.
     pub status: CommandStatus,
-    /// With 95 % the robot ends no farther from the pose, m; NaN makes an empty cell.
+    /// With 95 % the robot ends no farther from the pose, m; NaN and what has no bound make an empty cell.
     pub within_95: f64,
     /// Whether the command is corrected; else it is that of the nominal robot.
     pub corrected: bool,
@@ -199,7 +199,7 @@ pub fn commands_file(
         }
         table.text(command.status.word());
         if command.status == CommandStatus::Ok {
-            table.number(command.within_95);
+            table.number(if command.within_95.is_finite() { command.within_95 } else { f64::NAN });
             table.text(if command.corrected { "model" } else { "nominal" });
             table.integer((!command.beyond.is_empty()).into());
             table.text(&command.beyond);

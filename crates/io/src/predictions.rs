@@ -15,7 +15,7 @@ pub struct Prediction {
     pub pose: Pose,
     /// Whether the orientation is known; else its cells are empty.
     pub oriented: bool,
-    /// With 95 % a new measurement lies no farther from the position, m.
+    /// With 95 % a new measurement lies no farther from the position, m; what has no bound makes an empty cell.
     pub within_95: f64,
     /// Whether the row lies beyond the data of the fit.
     pub extrapolates: bool,
@@ -119,7 +119,7 @@ impl<'a> PredictionsWriter<'a> {
             prediction.pose.translation.iter().for_each(|&v| table.number(v));
             let turned = if prediction.oriented { prediction.pose.quaternion() } else { [f64::NAN; 4] };
             turned.iter().for_each(|&v| table.number(v));
-            table.number(prediction.within_95);
+            table.number(if prediction.within_95.is_finite() { prediction.within_95 } else { f64::NAN });
             table.integer(prediction.extrapolates.into());
             table.end_row()?;
         }

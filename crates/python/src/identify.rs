@@ -52,7 +52,7 @@ pub fn identify(
     fold_labels: Option<Given1<'_, i64>>,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<(Fit, Vec<String>)> {
-    let chain = robot.chain.clone();
+    let (chain, assumed) = robot.opened(&data.data)?;
     let model = Model::of(py, model, &chain)?;
     let (solver, solver_text) = solver(solver_text)?;
     if repeat == 0 {
@@ -105,6 +105,7 @@ pub fn identify(
         let mut summary =
             IdentificationSummary::new(&found, data, &info.visit_labels, &solver_text, held_out_by);
         summary = summary.with_data_check(data_check);
+        summary.assumed = assumed;
         let (mut used, remarks) = match &campaign {
             Some(campaign) => {
                 summary = campaign.identified(summary, &found).map_err(input)?;

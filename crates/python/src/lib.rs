@@ -15,6 +15,7 @@ mod fit;
 mod hypothesis;
 mod identified;
 mod identify;
+mod log;
 mod model;
 mod options;
 mod packed;
@@ -61,6 +62,8 @@ mod _core {
     use crate::fit::Fit;
     #[pymodule_export]
     use crate::identify::identify;
+    #[pymodule_export]
+    use crate::log::standstills;
     #[pymodule_export]
     use crate::model::families;
     #[pymodule_export]

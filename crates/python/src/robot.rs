@@ -8,7 +8,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use truepose_cli::front;
 use truepose_errormodel::lanes::{JacobianGram, error_variances};
-use truepose_errormodel::{EffectRegistry, ErrorModel, FittedModel, SessionRules, Surroundings};
+use truepose_errormodel::{Dataset, EffectRegistry, ErrorModel, FittedModel, SessionRules, Surroundings};
 use truepose_identify::{PostureScales, posture_observability};
 use truepose_io::{
     ColumnMap, RobotDetails, RobotOptions, fit_json, parse_fit, read_robot, read_text, robot_beside,
@@ -25,6 +25,8 @@ pub struct Robot {
     pub columns: ColumnMap,
     pub warnings: Vec<String>,
     pub beside: Beside,
+    /// Whether base and tool are unknown where an instrument measured: of a URDF, which states neither.
+    pub undeclared: [bool; 2],
 }
 
 /// What a description says of sessions and of landmarks, and its text where it says something: name of the file, text.
@@ -50,6 +52,8 @@ impl Beside {
 const DESCRIPTION: &str = "description";
 /// Where they state that gravity was not declared.
 const ASSUMED: &str = "gravity_assumed";
+/// Where they state that base and tool are unknown where an instrument measured.
+const UNDECLARED: &str = "undeclared";
 
 impl Robot {
     /// Of a chain, with what a fit has recorded of its description.
@@ -61,6 +65,7 @@ impl Robot {
             columns: front::recorded_columns(fitted),
             warnings: Vec::new(),
             beside: Beside::default(),
+            undeclared: [false; 2],
         }
     }
 
@@ -72,7 +77,16 @@ impl Robot {
             columns: ColumnMap::default(),
             warnings: Vec::new(),
             beside: Beside::default(),
+            undeclared: [false; 2],
         }
+    }
+
+    /// The robot for these measurements, with what its description leaves open as unknown; and that in words.
+    pub fn opened(&self, data: &Dataset) -> PyResult<(Arc<Chain>, Vec<String>)> {
+        Ok(match front::opened(&self.chain, data, self.undeclared).map_err(input)? {
+            Some((chain, words)) => (Arc::new(chain), vec![words]),
+            None => (self.chain.clone(), Vec::new()),
+        })
     }
 
     /// Evaluates postures row by row.
@@ -107,9 +121,15 @@ type Described = (String, &'static str, Option<(f64, f64)>);
 
 #[pymethods]
 impl Robot {
-    /// Of a file, `.toml` or `.urdf`.
+    /// Of a file, `.toml` or `.urdf`; `known`: whether base and tool of a URDF are those of the measurements.
     #[staticmethod]
-    pub fn from_file(path: PathBuf, base: Option<String>, tip: Option<String>) -> PyResult<Self> {
+    #[pyo3(signature = (path, base, tip, known=[false, false]))]
+    pub fn from_file(
+        path: PathBuf,
+        base: Option<String>,
+        tip: Option<String>,
+        known: [bool; 2],
+    ) -> PyResult<Self> {
         let (chain, said) = read_robot(&path, &RobotOptions { base, tip }).map_err(of_io)?;
         let toml = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("toml"));
         // What is no regular file can be read once.
@@ -117,7 +137,9 @@ impl Robot {
             true => Beside::of(&path.display().to_string(), &read_text(&path).map_err(of_io)?)?,
             false => (Beside::default(), ColumnMap::default(), RobotDetails::default()),
         };
-        Ok(Robot { chain: Arc::new(chain), details, columns, warnings: warnings(&said), beside })
+        let urdf = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("urdf"));
+        let undeclared = known.map(|known| urdf && !known);
+        Ok(Robot { chain: Arc::new(chain), details, columns, warnings: warnings(&said), beside, undeclared })
     }
 
     /// Of the text of a TOML description.
@@ -125,7 +147,8 @@ impl Robot {
     fn from_text(name: &str, text: &str) -> PyResult<Self> {
         let (chain, said) = robot_from_text(name, text, &RobotOptions::default()).map_err(of_io)?;
         let (beside, columns, details) = Beside::of(name, text)?;
-        Ok(Robot { chain: Arc::new(chain), warnings: warnings(&said), columns, beside, details })
+        let undeclared = [false; 2];
+        Ok(Robot { chain: Arc::new(chain), warnings: warnings(&said), columns, beside, details, undeclared })
     }
 
     /// Robots of the library: name, maker and model.
@@ -155,6 +178,9 @@ impl Robot {
         if !self.details.gravity {
             fitted.provenance.insert(ASSUMED.into(), true.into());
         }
+        if self.undeclared != [false; 2] {
+            fitted.provenance.insert(UNDECLARED.into(), serde_json::json!(self.undeclared));
+        }
         if let Some((name, text)) = &self.beside.text {
             fitted.provenance.insert(DESCRIPTION.into(), serde_json::json!([name, text]));
         }
@@ -171,6 +197,8 @@ impl Robot {
         };
         let mut robot = Robot { beside, ..Robot::of(fitted.chain(), &fitted) };
         robot.details.gravity = !fitted.provenance.contains_key(ASSUMED);
+        let open = |k: usize| fitted.provenance.get(UNDECLARED).and_then(|of| of.get(k)?.as_bool());
+        robot.undeclared = [0, 1].map(|k| open(k).unwrap_or(false));
         Ok(robot)
     }
 

@@ -37,6 +37,7 @@ struct Asked {
     chain: Arc<Chain>,
     rows: Arc<Dataset>,
     info: Arc<CsvInfo>,
+    assumed: Vec<String>,
     details: RobotDetails,
     said: (SessionRules, Surroundings),
     effects: Vec<Box<dyn AnyEffect>>,
@@ -73,7 +74,7 @@ impl Search {
         rivals: bool,
         nested: usize,
     ) -> PyResult<Self> {
-        let chain = robot.chain.clone();
+        let (chain, assumed) = robot.opened(&data.data)?;
         let Model { effects, objects, raised } = Model::of(py, model, &chain)?;
         let (_, solver) = solver(solver_text)?;
         let mut library = Library::standard();
@@ -119,6 +120,7 @@ impl Search {
             rows,
             data_check,
             info: data.info.clone(),
+            assumed,
             details: robot.details.clone(),
             said: (robot.beside.rules, (*robot.beside.surroundings).clone()),
             effects,
@@ -260,6 +262,7 @@ impl Asked {
             None => (usable(&found.fit.fitted), Vec::new()),
         };
         summary.observers = observers;
+        summary.assumed.clone_from(&self.assumed);
         if let Some(split) = self.split.as_ref().filter(|_| validated) {
             let observer = |fold: usize, step: Progress| {
                 working.step(&format!("fold {}: {}", fold + 1, front::progress_words(&step)))

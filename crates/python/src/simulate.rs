@@ -36,7 +36,7 @@ pub fn simulate(
         return Err(input(format!("{}: names no robot; begin with `robot = \"arm.toml\"`", plant.display())));
     }
     let path = plant.parent().unwrap_or_else(|| Path::new("")).join(&description.robot);
-    let robot = Robot::from_file(path, None, None)?;
+    let robot = Robot::from_file(path, None, None, [false; 2])?;
     let (chain, surroundings) = (robot.chain.clone(), robot.beside.surroundings.clone());
     let (data, landmarks) = supervised(py, None, Vec::new(), move |_| {
         let measured = description.plant_in(&chain, &surroundings).and_then(|made| {

@@ -26,11 +26,11 @@ pub use joints::JointRepeatabilitySummary;
 pub use nested::NestedSummary;
 pub use parts::TrainAndHoldout;
 
-use crate::{DataCheck, PositionStatistics, SpecificationSummary};
+use crate::{Correction, DataCheck, PositionStatistics, SpecificationLines};
 use serde::{Deserialize, Serialize};
 use truepose_discover::{Diagnosis, HeldOut, Termination, Verdict};
 use truepose_errormodel::Dataset;
-use truepose_identify::AsFound;
+use truepose_identify::{AsFound, FitOptions, IdentifyError, Residuals, uncorrected};
 
 /// The report of a discovery: `discovery.json`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -48,6 +48,9 @@ pub struct DiscoverySummary {
     /// Rows (1-based) that no fit uses, though they are not so far out that they are reported as outliers.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub suspect_rows: Vec<usize>,
+    /// Lines of the file of these rows; empty of data from no file.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub suspect_lines: Vec<u64>,
     /// Expected 3-D RMS of one new row if the model were perfect, mm; none when it is unknown.
     pub noise_floor_mm: Option<f64>,
     /// The same with its source and interval.
@@ -58,6 +61,9 @@ pub struct DiscoverySummary {
     /// Which components of the position were measured, where some were not.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub partial_rows: Option<crate::PartialRows>,
+    /// What the run assumed of the installation, in sentences.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub assumed: Vec<String>,
     /// Whether the model is adequate.
     pub verdict: Verdict,
     /// Dependence of poses on those measured before; none with fewer than ten poses.
@@ -106,7 +112,7 @@ pub struct DiscoverySummary {
     pub as_found: Option<AsFoundSummary>,
     /// Held-out poses against a specification, where one was given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub specification: Option<SpecificationSummary>,
+    pub specification: Option<SpecificationLines>,
     /// Each session of a campaign of several.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub sessions: Vec<crate::SessionSummary>,
@@ -181,6 +187,11 @@ impl DiscoverySummary {
                 _ => Vec::new(),
             },
             suspect_rows: found.suspects.iter().map(|row| row + 1).collect(),
+            suspect_lines: found
+                .suspects
+                .iter()
+                .filter_map(|&row| found.data.line.get(row).copied())
+                .collect(),
             noise_floor_mm: found.noise_floor.rms.map(|rms| 1e3 * rms),
             noise_floor: NoiseFloorSummary::new(found),
             dependence: found.dependence.as_ref().map(DependenceSummary::new),
@@ -196,7 +207,7 @@ impl DiscoverySummary {
                 .iter()
                 .map(|part| ExtrapolationSummary::new(found, part))
                 .collect(),
-            effects: found.findings.iter().map(|one| FindingSummary::new(one, found.data.by_order)).collect(),
+            effects: found.findings.iter().map(|one| FindingSummary::new(one, &found.data)).collect(),
             refused: found.refused.iter().map(RefusedSummary::new).collect(),
             not_testable: found.untestable.iter().map(|u| UntestableSummary::new(u, found)).collect(),
             lack_of_fit: LackOfFitSummary::new(found),
@@ -207,6 +218,7 @@ impl DiscoverySummary {
             stopped: found.stopped,
             nested: None,
             incomplete: None,
+            assumed: Vec::new(),
             as_found: None,
             specification: None,
             sessions: Vec::new(),
@@ -234,15 +246,27 @@ impl DiscoverySummary {
         DiscoverySummary { data_check, ..self }
     }
 
-    /// The same, with the held-out poses of `data` (as it was read) compared with a limit of the 3-D position error, m.
-    pub fn with_specification(mut self, limit: f64, found: &Diagnosis, data: &Dataset) -> Self {
-        let largest = crate::largest_error_by_pose(data, &found.holdout_rows, &found.after.holdout);
-        let guarded = crate::poses::largest_error_and_uncertainty_by_pose(
-            data,
-            &found.holdout_rows,
-            &found.after.holdout,
-        );
-        self.specification = Some(SpecificationSummary::new(limit, &largest).with_guard_band(&guarded));
-        self
+    /// The same, with the held-out poses of `data` (as it was read) compared with a limit of the 3-D position error, m; the verdict is of what
+    /// will be done.
+    ///
+    /// # Errors
+    /// When the robot as it is does not fit the data.
+    pub fn with_specification(
+        mut self,
+        (limit, correction): (f64, Correction),
+        found: &Diagnosis,
+        data: &Dataset,
+    ) -> Result<Self, IdentifyError> {
+        let worst = |errors: &Residuals| {
+            crate::poses::largest_error_and_uncertainty_by_pose(data, &found.holdout_rows, errors)
+        };
+        let effects = found.fit.fitted.model().effects();
+        let rows = (&found.data, &*found.holdout_rows);
+        let other = uncorrected(&found.placement, effects, rows, &FitOptions::default())?;
+        let compensated = &found.after.holdout;
+        let constants = other.constants.as_ref().unwrap_or(compensated);
+        let cases = [&other.as_is, constants, compensated].map(worst);
+        self.specification = Some(SpecificationLines::new(limit, correction, &cases, other.described));
+        Ok(self)
     }
 }

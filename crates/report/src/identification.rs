@@ -84,6 +84,9 @@ pub struct IdentificationSummary {
     pub worst: Vec<LargestError>,
     /// Warnings.
     pub warnings: Vec<String>,
+    /// What the run assumed of the installation, in sentences.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub assumed: Vec<String>,
     /// What seems wrong with the data; it stands first.
     #[serde(skip_serializing_if = "DataCheck::is_empty")]
     pub data_check: DataCheck,
@@ -92,7 +95,7 @@ pub struct IdentificationSummary {
     pub partial_rows: Option<crate::PartialRows>,
     /// Conformity of held-out poses with a specification, where one was given.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub specification: Option<crate::SpecificationSummary>,
+    pub specification: Option<crate::SpecificationLines>,
     /// Each session of a campaign of several.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub sessions: Vec<crate::SessionSummary>,
@@ -272,6 +275,7 @@ impl IdentificationSummary {
             verdict: String::new(),
             worst: largest_errors(found, data, labels, MOST_LARGEST),
             warnings: fit.warnings.iter().map(warning_text).collect(),
+            assumed: Vec::new(),
             data_check: DataCheck::default(),
             partial_rows: crate::PartialRows::of(data),
             rounds: fit.rounds,

@@ -21,10 +21,10 @@ pub struct LargestError {
 }
 
 impl LargestError {
-    /// `100 (row 303, line 304) 0.284 mm`.
+    /// `line 304: 0.284 mm`, or `row 303: 0.284 mm` of data from no file.
     pub fn text(&self) -> String {
-        let line = self.line.map_or_else(String::new, |line| format!(", line {line}"));
-        format!("{} (row {}{line}) {} mm", self.pose, self.row, significant(self.error_mm, 3))
+        let place = self.line.map_or_else(|| format!("row {}", self.row), |line| format!("line {line}"));
+        format!("{place}: {} mm", significant(self.error_mm, 3))
     }
 }
 

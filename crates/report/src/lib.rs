@@ -2,6 +2,7 @@
 
 mod acceptance;
 mod comparison;
+mod correction;
 mod data_check;
 mod discovery;
 mod explanation;
@@ -21,6 +22,7 @@ mod poses;
 mod run;
 mod sessions;
 mod specification;
+mod specification_cases;
 mod statistics;
 mod streamed;
 mod suspicion;
@@ -32,6 +34,7 @@ pub use acceptance::{
     PathSummary, PoseDistanceSummary, StateSummary, TestPoseSummary, VerdictSummary,
 };
 pub use comparison::{ComparisonSummary, StrategyOutcome, StrategySummary};
+pub use correction::Correction;
 pub use data_check::DataCheck;
 pub use discovery::{
     AlternativeSummary, AsFoundSummary, BeforeAfter, DependenceSummary, DiscoverySettings, DiscoverySummary,
@@ -54,7 +57,7 @@ pub use page::{
     ProgramView, Report, acceptance_report, commands_report, comparison_report, discovery_report,
     identification_report, map_report, plan_report, prediction_report, program_report,
 };
-pub use parameters::{ParameterSummary, ParametersSummary};
+pub use parameters::{OffsetApart, ParameterSummary, ParametersSummary};
 pub use partial::PartialRows;
 pub use plan::PlanSummary;
 pub use plan_observed::ObservedPlanSummary;
@@ -62,13 +65,14 @@ pub use poses::largest_error_by_pose;
 pub use run::{FileRecord, RunRecord};
 pub use sessions::{SessionSummary, session_summaries};
 pub use specification::{GuardBandSummary, GuardedVerdict, SpecificationSummary, Verdict};
+pub use specification_cases::{SpecificationCase, SpecificationLines, WorstByPose};
 pub use statistics::{OrientationStatistics, PositionStatistics};
 pub use streamed::StreamedSummary;
 pub use suspicion::suspicion_text;
 pub use upkeep::{
     AdvisedSummary, ArmFitsSummary, BandSummary, ChangeSummary, DetectableSummary, FleetCoefficient,
     FleetSummary, InstallationSummary, LookView, MonitorSummary, SisterSummary, TransferSummary,
-    history_page,
+    history_page, monitor_report,
 };
 pub use wording::{
     advice_text, count, millimetres, milliradians, parameter_text, significant, value_with_interval,

@@ -15,8 +15,53 @@ pub struct ParametersSummary {
     pub left_out: Vec<String>,
     /// Base, joints, tool and targets, in this order.
     pub parameters: Vec<ParameterSummary>,
-    /// What has to be added to the reading of each joint, in degrees or mm.
+    /// What has to be added to the reading of each joint, in degrees or mm: effective values, with what the joints yield on average.
     pub joint_zero_offsets: Vec<ParameterSummary>,
+    /// The same apart, where the model has other effects beside its constants.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub zero_offsets_apart: Vec<OffsetApart>,
+}
+
+/// An effective zero offset as the zero of the joint and the mean of what else moves it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct OffsetApart {
+    /// The joint.
+    pub joint: String,
+    /// Unit of the numbers.
+    pub unit: String,
+    /// Effective value.
+    pub effective: f64,
+    /// The zero itself: the constant of the model.
+    pub own: f64,
+    /// Half width of its 95 % interval; null where it was not estimated.
+    pub own_half_width_95: Option<f64>,
+    /// Effective value minus the zero itself: the mean of all other effects over the poses of the fit.
+    pub difference: f64,
+    /// Half width of its 95 % interval; null where it was not estimated.
+    pub difference_half_width_95: Option<f64>,
+}
+
+impl OffsetApart {
+    fn row(&self) -> Vec<String> {
+        let with = |value: f64, half: Option<f64>| {
+            let shown = ParameterSummary {
+                part: String::new(),
+                parameter: String::new(),
+                unit: self.unit.clone(),
+                nominal: None,
+                delta: None,
+                calibrated: value,
+                half_width_95: half,
+                remark: String::new(),
+            };
+            let [_, _, value, half] = shown.cells();
+            [value, half]
+        };
+        let [effective, _] = with(self.effective, self.difference_half_width_95);
+        let ([own, of_own], [difference, of_difference]) =
+            (with(self.own, self.own_half_width_95), with(self.difference, self.difference_half_width_95));
+        vec![self.joint.clone(), effective, own, of_own, difference, of_difference, self.unit.clone()]
+    }
 }
 
 /// One number of the description.
@@ -75,7 +120,12 @@ impl ParameterSummary {
 impl ParametersSummary {
     pub(crate) const HEAD: [&'static str; 8] =
         ["part", "parameter", "unit", "nominal", "Δ", "calibrated", "± 95 %", "remark"];
-    pub(crate) const OFFSETS: [&'static str; 5] = ["joint", "zero offset", "± 95 %", "unit", "remark"];
+    pub(crate) const OFFSETS: [&'static str; 5] =
+        ["joint", "effective zero offset", "± 95 %", "unit", "remark"];
+    pub(crate) const APART: [&'static str; 7] =
+        ["joint", "effective", "zero itself", "± 95 %", "difference", "± 95 %", "unit"];
+    pub(crate) const OF_OFFSETS: &'static str = "Effective zero offsets of the joints, added to the reading of each; valid together with the parameters above, and not for mastering";
+    pub(crate) const OF_APART: &'static str = "Zero offsets apart: the zero of each joint itself, and what the other effects of the model add to it on average over the poses of the fit";
 
     /// Rows of the table.
     pub(crate) fn rows(&self) -> Vec<Vec<String>> {
@@ -91,13 +141,32 @@ impl ParametersSummary {
         self.joint_zero_offsets.iter().map(row).collect()
     }
 
-    /// What the table is.
+    /// Rows of the list of zero offsets apart.
+    pub(crate) fn apart(&self) -> Vec<Vec<String>> {
+        self.zero_offsets_apart.iter().map(OffsetApart::row).collect()
+    }
+
+    /// What effective zero offsets are.
+    pub(crate) fn of_offsets(&self) -> &'static str {
+        match self.left_out.is_empty() {
+            true => {
+                "The model has constants alone: what the joints yield on average is in these offsets. They are no errors of the encoders."
+            }
+            false => {
+                "These offsets contain the mean of all other effects over the poses of the fit. They are no errors of the encoders."
+            }
+        }
+    }
+
+    /// What the table is, and the frames of its rows.
     pub(crate) fn note(&self) -> String {
+        const FRAMES: &str = "Rows of the base: its place in the measurement frame; of joints: as in the robot file; of the tool: its place on the flange; \
+                              of targets: in the tool's axes.";
         if self.left_out.is_empty() {
-            return "These parameters are the whole fitted model.".into();
+            return format!("These parameters are the whole fitted model. {FRAMES}");
         }
         format!(
-            "Constant parameters cannot carry: {}. These are the least-squares projection of the whole model at the poses of the fit.",
+            "Constant parameters cannot carry: {}. These are the least-squares projection of the whole model at the poses of the fit. {FRAMES}",
             self.left_out.join(", ")
         )
     }
@@ -112,11 +181,14 @@ impl fmt::Display for ParametersSummary {
         let sides = [Left, Left, Left, Right, Right, Right, Right, Left];
         write!(f, "{}", table(&Self::HEAD, &sides, &self.rows()))?;
         writeln!(f, " {}", self.note())?;
-        writeln!(
-            f,
-            "\nzero offsets of the joints (to be added to the reading; valid together with the parameters above)"
-        )?;
-        write!(f, "{}", table(&Self::OFFSETS, &[Left, Right, Right, Left, Left], &self.offsets()))
+        writeln!(f, "\n{}", Self::OF_OFFSETS)?;
+        write!(f, "{}", table(&Self::OFFSETS, &[Left, Right, Right, Left, Left], &self.offsets()))?;
+        writeln!(f, " {}", self.of_offsets())?;
+        if !self.zero_offsets_apart.is_empty() {
+            let sides = [Left, Right, Right, Right, Right, Right, Left];
+            write!(f, "\n{}\n{}", Self::OF_APART, table(&Self::APART, &sides, &self.apart()))?;
+        }
+        Ok(())
     }
 }
 

@@ -15,7 +15,7 @@
 //! as well (ISO 14253-1): it conforms when e + 1.645 u ≤ limit, and does not when e − 1.645 u > limit. The robot conforms when the lower 95 %
 //! bound of the fraction of poses that conform is 95 % at the least, and does not when the upper bound of those that are not shown to fail is below.
 
-use crate::{count, significant};
+use crate::{Correction, count, significant};
 use serde::{Deserialize, Serialize};
 use truepose_acceptance::{Conformity, GuardBand, one_sided_factor};
 
@@ -42,6 +42,9 @@ pub struct SpecificationSummary {
     /// The same with guard bands; none where the instrument states no standard deviations.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub guard_band: Option<GuardBandSummary>,
+    /// What will be done with the result: all figures above are of it.
+    #[serde(default)]
+    pub correction: Correction,
 }
 
 /// Held-out poses against a limit with guard bands.
@@ -124,6 +127,7 @@ impl SpecificationSummary {
                 _ => Verdict::Undecided,
             },
             guard_band: None,
+            correction: Correction::None,
         }
     }
 
@@ -191,9 +195,10 @@ impl SpecificationSummary {
             )
         });
         format!(
-            "Specification {} mm: {answer}. {} of {} are inside; with 95 % confidence (one-sided bounds), between {} and {} of all \
+            "Specification {} mm ({}): {answer}. {} of {} are inside; with 95 % confidence (one-sided bounds), between {} and {} of all \
              poses are inside (required: 95 %).{limit}{guarded}",
             significant(self.limit_mm, 3),
+            self.correction.name(),
             self.inside,
             count(self.poses, "held-out pose"),
             percent(self.share_at_least),

@@ -103,7 +103,7 @@ fn parse_orientation(text: &str) -> Result<OrientationConvention, String> {
 }
 
 /// `0.001deg`, `20um`, `0.001deg,20um`, `0`.
-fn parse_tolerance(text: &str) -> Result<DwellTolerance, String> {
+pub(super) fn parse_tolerance(text: &str) -> Result<DwellTolerance, String> {
     let mut tolerance = DwellTolerance::default();
     if text.trim().parse::<f64>().is_ok_and(|v| v.abs() < f64::MIN_POSITIVE) {
         return Ok(DwellTolerance { angle: 0.0, length: Some(0.0) });

@@ -91,6 +91,9 @@ pub struct Identify {
     /// Specification of the 3-D position error, compared with held-out poses, e.g. 0.5mm; exit code 1 when they fail
     #[arg(long, value_name = "LENGTH", allow_hyphen_values = true, value_parser = parse_length)]
     pub spec: Option<f64>,
+    /// What will be done with the result: the verdict of --spec is of the robot after that
+    #[arg(long, value_enum, default_value_t = Corrected::None, requires = "spec")]
+    pub correction: Corrected,
     /// Fail with exit code 1 when the held-out RMS is above this, e.g. 0.15mm
     #[arg(long, value_name = "LENGTH", allow_hyphen_values = true, value_parser = parse_length)]
     pub require: Option<f64>,
@@ -108,6 +111,27 @@ impl Identify {
             max_iterations: self.rounds,
             prior: self.prior.strength(),
             ..FitOptions::default()
+        }
+    }
+}
+
+/// What is done with the result of a fit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum Corrected {
+    /// Nothing: the robot stays as it is
+    None,
+    /// The constants of the controller are corrected
+    Constants,
+    /// Each command is corrected (truepose compensate, or the fit in the controller)
+    Commands,
+}
+
+impl From<Corrected> for truepose_report::Correction {
+    fn from(of: Corrected) -> Self {
+        match of {
+            Corrected::None => Self::None,
+            Corrected::Constants => Self::Constants,
+            Corrected::Commands => Self::Commands,
         }
     }
 }
@@ -142,6 +166,9 @@ pub struct Discover {
     /// Specification of the 3-D position error, compared with held-out poses, e.g. 0.5mm; exit code 1 when they fail
     #[arg(long, value_name = "LENGTH", allow_hyphen_values = true, value_parser = parse_length)]
     pub spec: Option<f64>,
+    /// What will be done with the result: the verdict of --spec is of the robot after that
+    #[arg(long, value_enum, default_value_t = Corrected::None, requires = "spec")]
+    pub correction: Corrected,
     /// Folder for fits of the competing hypotheses that are not distinguishable from the findings, for `truepose plan --rival`
     #[arg(long, value_name = "DIR")]
     pub rivals: Option<OutputFolder>,

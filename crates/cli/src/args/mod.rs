@@ -1,6 +1,7 @@
 //! The command line.
 
 mod acceptance;
+mod dwell;
 mod files;
 mod fitted;
 mod grouped;
@@ -11,6 +12,7 @@ mod upkeep;
 mod values;
 
 pub use acceptance::{FramesFrom, Iso9283};
+pub use dwell::DwellOf;
 pub use files::{Files, Input, NamedFile, OutputFolder, Prior};
 pub use fitted::{Accept, Compensate, Export, ExportFormat, Map, Plan, PlannedTest, Predict, YamlStyle};
 pub use grouped::{Grouped, NamedColumns};
@@ -121,6 +123,8 @@ pub enum Verb {
     Compare(Compare),
     /// Write a robot description from the library of makers' published dimensions, and a table to fill in
     Init(Init),
+    /// Find the dwells in a log of a moving robot, and write them as measurements
+    Dwell(Box<DwellOf>),
     /// Read files and list what they contain: every unit, range and count
     Check(Check),
     /// List the effects and solvers that can be declared
@@ -146,4 +150,10 @@ pub struct Robot {
     /// Tip link of a URDF [default: its only leaf]
     #[arg(long, value_name = "LINK")]
     pub tip: Option<String>,
+    /// The measurement frame of the data is the base link of the URDF [default: where an instrument measured, it is found from the data]
+    #[arg(long)]
+    pub base_known: bool,
+    /// The measured point is the tip link of the URDF [default: where an instrument measured, it is found from the data]
+    #[arg(long)]
+    pub tool_known: bool,
 }

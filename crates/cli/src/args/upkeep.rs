@@ -1,6 +1,7 @@
 //! Options of the verbs that hold new measurements against a fit: transfer, monitor.
 
-use super::files::{Input, Output, Record};
+use super::files::{Input, Output, OutputFolder, Record};
+use super::values::{parse_date, parse_length};
 use super::{Accept, Grouped};
 
 /// `truepose transfer`
@@ -69,6 +70,19 @@ pub struct Monitor {
     /// Page with all looks at this robot (HTML), for people
     #[arg(long, value_name = "FILE", requires = "history")]
     pub page: Option<Output>,
+    /// Folder for the report of this look: `index.html`, its figures, `monitor.json` and `run.json`
+    #[arg(long, value_name = "DIR")]
+    pub report: Option<OutputFolder>,
+    /// File with the head of the report, [certificate] (TOML)
+    #[arg(long, value_name = "FILE", requires = "report")]
+    pub certificate: Option<Input>,
+    /// When the robot was measured, e.g. 2026-03-01; it stands in the history and on the pages
+    #[arg(long, value_name = "DATE", value_parser = parse_date)]
+    pub date: Option<String>,
+    /// Specification of the 3-D position error, compared with the measured poses as the fit predicts them, e.g. 0.5mm; exit code 1 when they
+    /// fail and the robot has not changed
+    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true, value_parser = parse_length, conflicts_with_all = ["base", "tool", "targets"])]
+    pub spec: Option<f64>,
     /// Probability that an unchanged robot ever raises an alarm, over all looks
     #[arg(long, default_value_t = 0.01)]
     pub alpha: f64,

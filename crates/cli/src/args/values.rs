@@ -57,6 +57,29 @@ pub(super) fn parse_length(text: &str) -> Result<f64, String> {
     if value > 0.0 { Ok(value) } else { Err("a length above 0 is needed".into()) }
 }
 
+/// `2026-03-01`.
+pub(super) fn parse_date(text: &str) -> Result<String, String> {
+    let numbers: Vec<Option<u32>> = text.split('-').map(|part| part.parse().ok()).collect();
+    let lengths: Vec<usize> = text.split('-').map(str::len).collect();
+    match (numbers.as_slice(), lengths.as_slice()) {
+        ([Some(_), Some(1..=12), Some(1..=31)], [4, 2, 2]) => Ok(text.to_owned()),
+        _ => Err("a date is year-month-day, as in 2026-03-01".into()),
+    }
+}
+
+/// `35ms`, `-0.1s`; seconds.
+pub(super) fn parse_signed_time(text: &str) -> Result<f64, String> {
+    let split = text.find(|c: char| c.is_ascii_alphabetic()).unwrap_or(text.len());
+    let (number, unit) = text.split_at(split);
+    let factor = match unit {
+        "ms" => 1e-3,
+        "s" => 1.0,
+        _ => return Err("a time needs a unit: s or ms, as in 35ms".into()),
+    };
+    let value = number.trim().parse::<f64>().map(|value| factor * value);
+    value.ok().filter(|value| value.is_finite()).ok_or_else(|| format!("`{number}` is not a number"))
+}
+
 /// `-500mm,0mm,0.2m`; metres.
 pub(super) fn parse_position(text: &str) -> Result<[f64; 3], String> {
     three(text, length)

@@ -129,3 +129,19 @@ pub fn oriented(fitted: &FittedModel) -> Result<Option<String>, String> {
         ),
     }
 }
+
+/// A band, where it has a bound.
+pub fn bounded(within_95: f64) -> Option<f64> {
+    within_95.is_finite().then_some(within_95)
+}
+
+/// What is stated of bands without a bound.
+pub fn unbounded(rows: usize, thing: &str) -> Option<String> {
+    (rows > 0).then(|| {
+        format!(
+            "the data of the fit does not determine the orientation of the tool (positions of fewer than three points of it): at a point that was \
+             not measured the 95 % band is unbounded in {} (`within_95` is empty). Measure orientations, or three points of the tool",
+            count(rows, thing)
+        )
+    })
+}

@@ -1,6 +1,7 @@
 //! `truepose check`: read files and say what was understood.
 
 use super::campaign::Campaign;
+use super::installation::installed;
 use super::mistakes::Mistakes;
 use super::nominal::Nominal;
 use super::vertical::settled;
@@ -19,7 +20,7 @@ use truepose_solvers::{PivotedQr, Solver};
 
 /// Runs the verb.
 pub fn run(args: &Check) -> Result<(), Failure> {
-    let chain = robot(&args.robot)?;
+    let mut chain = robot(&args.robot)?;
     let model = match &args.model {
         Some(path) => {
             let effects = read_model(path, &chain, crate::extensions::effects())?;
@@ -35,6 +36,9 @@ pub fn run(args: &Check) -> Result<(), Failure> {
             let options = MeasurementsOptions { measured_required: false, ..measured };
             let (data, info, warnings) = read_measurements(path, &chain, &options)?;
             terminal::warn(&warnings);
+            let (opened, assumed) = installed(chain.clone(), &args.robot, &data)?;
+            assumed.iter().for_each(|words| terminal::log(words));
+            chain = opened;
             let (solver, options) = (PivotedQr::default(), FitOptions::default());
             let plain = (&solver as &dyn Solver, &options);
             let installation = || -> Vec<Box<dyn AnyEffect>> { vec![Box::new(tool(&chain))] };

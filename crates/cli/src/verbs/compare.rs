@@ -2,6 +2,7 @@
 
 use super::campaign::Campaign;
 use super::folds::{different, split, split_words};
+use super::installation::installed;
 use super::mistakes::Mistakes;
 use super::reporting::Folder;
 use super::{declared, print_json, read_files, robot};
@@ -26,6 +27,8 @@ pub fn run(args: &Compare, watch: &Watch) -> Result<(), Failure> {
     if args.positions_only {
         data.orientation.fill(None);
     }
+    let (chain, assumed) = installed(chain, &args.measured.robot, &data)?;
+    assumed.iter().for_each(|words| terminal::log(words));
     let Some(split) = split(args.folds, args.split, args.seed, different(&data))? else {
         let words = match args.folds {
             0 => "--folds: a comparison needs at least 2 folds".into(),

@@ -1,6 +1,6 @@
 //! `truepose compensate`: the joint commands that bring the real robot to desired poses.
 
-use super::expected::Expected;
+use super::expected::{CHUNK, Expected, expected, for_tools, wanted};
 use super::frames::Placed;
 use super::joint_units::{self, in_units, joint_names};
 use super::reporting::Folder;
@@ -15,23 +15,16 @@ use crate::verdict::usable;
 use crate::watch::Watch;
 use rayon::prelude::*;
 use std::path::Path;
-use truepose_compensate::{
-    Command, CommandRequest, CompensateError, Compensator, CompensatorOptions, Status, Target,
-    correction_helps, radius_95,
-};
-use truepose_errormodel::{
-    Coverage, ErrorModel, FittedModel, History, Schema, Signal, history_of, presliding_of,
-};
+use truepose_compensate::{Command, CommandRequest, CompensateError, Status};
+use truepose_errormodel::{FittedModel, History, Signal, history_of, presliding_of};
 use truepose_io::{
     CommandRow, MeasurementsOptions, PoseForm, Poses, Quantity, WholeFiles, check_writable, commands_file,
     read_fit, read_measurements, read_poses,
 };
-use truepose_kinematics::nalgebra::{DMatrix, Matrix3};
+use truepose_kinematics::nalgebra::Vector3;
 use truepose_kinematics::{Chain, Conditions, Pose, ToolId};
 use truepose_report::{CommandView, CommandsView, commands_report, count, millimetres};
 
-/// Poses that one thread takes at a time.
-const CHUNK: usize = 2048;
 /// Poses that are solved together.
 const TOGETHER: usize = 64;
 
@@ -57,11 +50,13 @@ pub fn run(args: &Compensate, watch: &Watch) -> Result<(), Failure> {
     let other =
         args.relative_to.as_ref().map(|tool| relative::other(tool, &fitted, &poses, file)).transpose()?;
     let progress = Progress::steps(poses.rows.len().div_ceil(CHUNK), watch);
-    let (commands, expected) = commanded(&fitted, &mut poses, other, &|| progress.begin("commands"))
-        .map_err(|error| match error {
-            CompensateError::Model(error) => about(file)(error),
-            error => Failure::Input(format!("{}: {error}", args.fit.display())),
-        })?;
+    let (commands, expected) =
+        commanded(&fitted, &mut poses, (other, placed.lever()), &|| progress.begin("commands")).map_err(
+            |error| match error {
+                CompensateError::Model(error) => about(file)(error),
+                error => Failure::Input(format!("{}: {error}", args.fit.display())),
+            },
+        )?;
     drop(progress);
     let channels = poses.rows.derived_for(fitted.model()).map_err(about(file))?.schema.channels.clone();
     let rows: Vec<CommandRow> = commands
@@ -91,7 +86,9 @@ pub fn run(args: &Compensate, watch: &Watch) -> Result<(), Failure> {
     let ok = commands.iter().zip(&expected).filter(|(command, _)| command.status == Status::Ok);
     ok.clone().for_each(|(_, expected)| tally.add(&expected.beyond));
     tally.warn("command", fitted.chain(), &channels);
-    let nominal = ok.filter(|(_, expected)| !expected.corrected).count();
+    let nominal = ok.clone().filter(|(_, expected)| !expected.corrected).count();
+    let unbounded = ok.filter(|(_, expected)| expected.within_95 == f64::INFINITY).count();
+    terminal::warn(beyond::unbounded(unbounded, "pose").as_slice());
     if let Some(folder) = &folder {
         let inputs: Vec<&Path> = [
             Some(&args.fit),
@@ -126,6 +123,7 @@ pub fn run(args: &Compensate, watch: &Watch) -> Result<(), Failure> {
             statuses.iter().map(|s| (s.word().into(), of(*s).into())).collect();
         return print_json(&serde_json::json!({
             "poses": rows.len(), "status": counts, "extrapolating": tally.beyond(), "nominal": nominal,
+            "unbounded": unbounded,
         }));
     }
     let parts: Vec<String> =
@@ -153,12 +151,12 @@ pub fn run(args: &Compensate, watch: &Watch) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Commands for desired poses, in their order, and the expected accuracy of each; poses are in the axes of another tool where there is one. `begin` is called at
-/// each part of them.
+/// Commands for desired poses, in their order, and the expected accuracy of each: of the tool, or of the point at `lever` from its origin (m, in its axes).
+/// Poses are in the axes of another tool where there is one. `begin` is called at each part of them.
 pub(crate) fn commanded(
     fitted: &FittedModel,
     poses: &mut Poses,
-    other: Option<ToolId>,
+    (other, lever): (Option<ToolId>, Option<Vector3<f64>>),
     begin: &(dyn Fn() + Sync),
 ) -> Result<(Vec<Command>, Vec<Expected>), CompensateError> {
     let mut commands = commands(fitted, poses, other, begin)?;
@@ -169,7 +167,7 @@ pub(crate) fn commanded(
     }
     let expected = match other {
         Some(other) => relative::expected(fitted, poses, &commands, other)?,
-        None => expected(fitted, poses, &mut commands)?,
+        None => expected(fitted, poses, &mut commands, lever)?,
     };
     Ok((commands, expected))
 }
@@ -264,64 +262,6 @@ fn known(args: &Compensate, fitted: &FittedModel, poses: &Poses) -> Result<(), F
     Ok(())
 }
 
-/// Compares every command with the data of the fit and with the nominal command, which replaces it where it is expected to be
-/// more accurate.
-fn expected(
-    fitted: &FittedModel,
-    poses: &Poses,
-    commands: &mut [Command],
-) -> Result<Vec<Expected>, CompensateError> {
-    let inputs = poses.rows.derived_for(fitted.model())?;
-    let coverage = Coverage::new(fitted, &inputs.schema)?;
-    let nothing = ErrorModel::new(fitted.chain().clone(), Vec::new())?;
-    let ideal = FittedModel::new(nothing, Vec::new(), DMatrix::zeros(0, 0))?;
-    let nominals = for_tools(&ideal, &inputs.schema, None)?;
-    let noise = Matrix3::identity() * fitted.noise.position_sd.powi(2);
-    let parts: Vec<Vec<Expected>> = commands
-        .par_chunks_mut(CHUNK)
-        .enumerate()
-        .map(|(part, commands)| {
-            let (mut coverage, mut nominals) = (coverage.clone(), nominals.clone());
-            let mut conditions = Conditions::default();
-            let one = |(k, command): (usize, &mut Command)| {
-                let row = part * CHUNK + k;
-                inputs.conditions_into(row, &mut conditions);
-                conditions.joints.clear();
-                conditions.joints.extend_from_slice(&command.joints);
-                let target = poses.rows.target[row];
-                let at = coverage.judge(&conditions, target);
-                let meant = coverage.nominal(&conditions, target).translation;
-                let displacement = at.pose.translation - meant;
-                let mut expected = Expected {
-                    within_95: radius_95(&(at.covariance + noise)),
-                    correction: (meant - poses.rows.measured_position(row)).norm(),
-                    corrected: true,
-                    beyond: at.beyond,
-                };
-                if command.status == Status::Ok && !correction_helps(&displacement, &at.covariance) {
-                    let asked = wanted(poses, &conditions, row).target;
-                    let nominal = &mut nominals[inputs.tool(row).0];
-                    let other = nominal.command(&asked, &conditions, Some(&command.joints));
-                    if other.status == Status::Ok {
-                        command.joints = other.joints;
-                        // At most the displacement that is not corrected is added.
-                        expected.within_95 += displacement.norm();
-                        expected.corrected = false;
-                        conditions.joints.clear();
-                        conditions.joints.extend_from_slice(&other.joints);
-                        expected.beyond = coverage.judge(&conditions, target).beyond;
-                        let there = coverage.judge(&conditions, target).pose.translation;
-                        command.position_error = (there - asked.position).norm();
-                    }
-                }
-                expected
-            };
-            commands.iter_mut().enumerate().map(one).collect()
-        })
-        .collect();
-    Ok(parts.into_iter().flatten().collect())
-}
-
 fn ok(command: &Command) -> bool {
     command.status == Status::Ok
 }
@@ -335,33 +275,11 @@ fn views(chain: &Chain, poses: &Poses, commands: &[Command], expected: &[Expecte
         at_mm: (poses.rows.measured_position(row) * 1e3).into(),
         left_mm: command.position_error * 1e3,
         correction_mm: ok(command).then_some(expected.correction * 1e3),
-        within_95_mm: ok(command).then_some(expected.within_95 * 1e3),
+        within_95_mm: beyond::bounded(expected.within_95).filter(|_| ok(command)).map(|within| within * 1e3),
         extrapolates: ok(command).then_some(!expected.beyond.is_empty()),
         joints: ok(command).then(|| in_units(chain, &command.joints)),
     };
     commands.iter().zip(expected).enumerate().map(one).collect()
-}
-
-/// The request of one row.
-fn wanted<'a>(poses: &Poses, conditions: &'a Conditions, row: usize) -> CommandRequest<'a> {
-    let mut target = Target::at(poses.rows.measured_position(row)).of(poses.rows.target[row]);
-    target.orientation = poses.rows.measured_rotation(row);
-    CommandRequest { target, conditions, seed: poses.seeded.then_some(conditions.joints.as_slice()) }
-}
-
-/// A compensator for each tool of the robot.
-fn for_tools<'m>(
-    fitted: &'m FittedModel,
-    schema: &Schema,
-    other: Option<ToolId>,
-) -> Result<Vec<Compensator<'m>>, CompensateError> {
-    let tool = |k| CompensatorOptions {
-        tool: ToolId(k),
-        // None of its own poses is in its own axes.
-        relative_to: other.filter(|other| other.0 != k),
-        ..CompensatorOptions::default()
-    };
-    (0..fitted.chain().tools().len()).map(|k| Compensator::bind(fitted, schema, tool(k))).collect()
 }
 
 /// Commands for all poses, in their order; chunks are of fixed size, and no command depends on another.

@@ -3,6 +3,7 @@
 use super::campaign::Campaign;
 use super::folds::{different, split, split_words};
 use super::identified::conforms;
+use super::installation::installed;
 use super::mistakes::Mistakes;
 use super::observers::decided;
 use super::reporting::Folder;
@@ -47,6 +48,7 @@ pub fn run(args: &Discover, watch: &Watch) -> Result<(), Failure> {
     if args.positions_only {
         data.orientation.fill(None);
     }
+    let (chain, assumed) = installed(chain, &args.measured.robot, &data)?;
     let files_read = (&*args.measured.robot.robot, &*args.measured.data);
     let solver = args.solver.build();
     let fit = FitOptions::default();
@@ -102,6 +104,7 @@ pub fn run(args: &Discover, watch: &Watch) -> Result<(), Failure> {
     let mut summary = DiscoverySummary::new(&found, settings);
     campaign.discovered(&mut summary, &found, (&*solver, &options.fit))?;
     summary = summary.with_data_check(data_check.clone());
+    summary.assumed = assumed;
     summary.observers = observers;
     if let Some(folds) = args.nested {
         // If a limit ends the validation, the completed search is shown and written.
@@ -127,7 +130,7 @@ pub fn run(args: &Discover, watch: &Watch) -> Result<(), Failure> {
         summary.as_found = Some(found.into());
     }
     if let Some(limit) = args.spec {
-        summary = summary.with_specification(limit, &found, data);
+        summary = summary.with_specification((limit, args.correction.into()), &found, data)?;
     }
     // Pages are of the whole fit; its file is of the robot alone.
     let mut used = campaign.used(&found.fit.fitted)?;
@@ -138,8 +141,13 @@ pub fn run(args: &Discover, watch: &Watch) -> Result<(), Failure> {
         summary.parameters = Some(parameters::parameters(&used.clone().of_robot()));
     }
     let mut files = WholeFiles::default();
+    // The fit does not depend on whether its parameters can be written.
+    let mut lost = None;
     if let Some((path, summary)) = args.parameters.as_ref().zip(summary.parameters.as_ref()) {
-        files.push(parameters::file(path, summary)?)?;
+        match parameters::file(path, summary) {
+            Ok(file) => files.push(file)?,
+            Err(failure) => lost = Some(failure),
+        }
     }
     if let Some(folder) = &folder {
         let mut inputs = read_files(&args.measured);
@@ -167,10 +175,12 @@ pub fn run(args: &Discover, watch: &Watch) -> Result<(), Failure> {
         }
     }
     let page = folder.as_ref().map(Folder::page);
-    for file in [page.as_deref(), args.out.as_deref(), args.parameters.as_deref()].into_iter().flatten() {
+    let parameters = args.parameters.as_deref().filter(|_| lost.is_none());
+    for file in [page.as_deref(), args.out.as_deref(), parameters].into_iter().flatten() {
         terminal::log(&format!("wrote {}", file.display()));
     }
     rivals.iter().for_each(|line| terminal::log(line));
+    lost.map_or(Ok(()), Err)?;
     conforms(summary.specification.as_ref())
 }
 

@@ -14,6 +14,7 @@ use crate::failure::Failure;
 use truepose_compensate::{Installation, installation};
 use truepose_errormodel::{Dataset, FittedModel};
 use truepose_io::{CsvInfo, FrameParent, NamedFrame, Poses, Quantity, Unit, read_details};
+use truepose_kinematics::nalgebra::Vector3;
 use truepose_kinematics::{Chain, JointKind, Pose};
 
 /// Where desired poses are.
@@ -76,6 +77,11 @@ impl Placed {
     /// Whether desired poses are independent of the place of the measurements' tool.
     pub(super) fn of_the_flange(&self) -> bool {
         self.tcp.is_some()
+    }
+
+    /// The tool centre point from the origin of the measurements' tool, in the axes of that tool, m; none where poses are those of that tool.
+    pub(super) fn lever(&self) -> Option<Vector3<f64>> {
+        self.tcp.map(|tcp| (self.installation.tool.inverse() * tcp).translation)
     }
 
     /// Replaces poses in F by those of the measurements' tool in the measurement frame.

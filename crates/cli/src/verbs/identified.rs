@@ -5,7 +5,7 @@ use crate::failure::Failure;
 use crate::verdict::FitVerdict;
 use truepose_errormodel::{FittedModel, ModelError};
 use truepose_identify::IdentifyError;
-use truepose_report::{IdentificationSummary, SpecificationSummary, StreamedSummary, Verdict, millimetres};
+use truepose_report::{IdentificationSummary, SpecificationLines, StreamedSummary, Verdict, millimetres};
 
 /// Records in a fit that `identify` made it with this seed, and what is to be known of it; `held_out` where a test set was drawn first.
 pub(crate) fn whole(fitted: &mut FittedModel, summary: &IdentificationSummary, seed: u64, held_out: bool) {
@@ -43,8 +43,8 @@ pub(super) fn refused(args: &Identify, error: IdentifyError) -> Failure {
 }
 
 /// Fails where the held-out poses fail the specification of `--spec`.
-pub(super) fn conforms(specification: Option<&SpecificationSummary>) -> Result<(), Failure> {
-    match specification {
+pub(super) fn conforms(specification: Option<&SpecificationLines>) -> Result<(), Failure> {
+    match specification.map(|of| &of.judged) {
         Some(of) if of.verdict == Verdict::Fail => Err(Failure::Criterion(of.sentence())),
         Some(of) if of.poses == 0 => Err(Failure::Criterion(
             "no held-out pose has a measured position, so that none can be compared with the specification"

@@ -3,6 +3,7 @@
 use super::campaign::Campaign;
 use super::folds::{different, split, split_words};
 use super::identified::{conforms, refused, require, whole};
+use super::installation::{Undeclared, installed};
 use super::mistakes::Mistakes;
 use super::reporting::Folder;
 use super::{declared, parameters, points, print_json, read_files, robot};
@@ -33,6 +34,11 @@ pub fn run(args: &Identify, watch: &Watch) -> Result<(), Failure> {
     let chain = robot(&args.measured.robot)?;
     let effects = declared(&args.measured, &chain)?;
     if args.stream {
+        let opened = Undeclared::of(&args.measured.robot)?.opened(&chain)?;
+        let chain = opened.map_or(chain, |(chain, words)| {
+            terminal::log(&words);
+            chain
+        });
         return super::stream::identify(args, &chain, &effects, watch);
     }
     let (mut data, info, warnings) =
@@ -41,6 +47,7 @@ pub fn run(args: &Identify, watch: &Watch) -> Result<(), Failure> {
     if args.positions_only {
         data.orientation.fill(None);
     }
+    let (chain, assumed) = installed(chain, &args.measured.robot, &data)?;
     let mut options = IdentificationOptions {
         fit: args.fit(),
         split: match &args.fold_by {
@@ -82,8 +89,9 @@ pub fn run(args: &Identify, watch: &Watch) -> Result<(), Failure> {
         options.split.as_ref().map(split_words),
     );
     summary = summary.with_data_check(data_check);
+    summary.assumed = assumed;
     if let Some(limit) = args.spec {
-        summary = summary.with_specification(limit, &found, data);
+        summary = summary.with_specification((limit, args.correction.into()), &found, data)?;
     }
     summary = campaign.identified(summary, &found)?;
     // Pages are of the whole fit; its file is of the robot alone.
@@ -94,8 +102,13 @@ pub fn run(args: &Identify, watch: &Watch) -> Result<(), Failure> {
         summary.parameters = Some(parameters::parameters(&used.clone().of_robot()));
     }
     let mut files = WholeFiles::default();
+    // The fit does not depend on whether its parameters can be written.
+    let mut lost = None;
     if let Some((path, summary)) = args.parameters.as_ref().zip(summary.parameters.as_ref()) {
-        files.push(parameters::file(path, summary)?)?;
+        match parameters::file(path, summary) {
+            Ok(file) => files.push(file)?,
+            Err(failure) => lost = Some(failure),
+        }
     }
     if let Some(folder) = &folder {
         let mut inputs = read_files(&args.measured);
@@ -118,12 +131,14 @@ pub fn run(args: &Identify, watch: &Watch) -> Result<(), Failure> {
         }
     }
     let page = folder.as_ref().map(Folder::page);
-    for file in [page.as_deref(), args.out.as_deref(), args.parameters.as_deref()].into_iter().flatten() {
+    let parameters = args.parameters.as_deref().filter(|_| lost.is_none());
+    for file in [page.as_deref(), args.out.as_deref(), parameters].into_iter().flatten() {
         terminal::log(&format!("wrote {}", file.display()));
     }
     if summary.lacks_an_effect() {
         terminal::log(&next(args));
     }
+    lost.map_or(Ok(()), Err)?;
     conforms(summary.specification.as_ref())?;
     let Some(last) = summary.stages.last() else { return Ok(()) };
     let judged = last.test_set.or(last.held_out).unwrap_or(last.train);

@@ -34,7 +34,13 @@ pub fn run(args: &Iso9283, watch: &Watch) -> Result<(), Failure> {
     let (chain, reading) = match (&fitted, &args.robot) {
         (Some(fitted), _) => (fitted.chain().clone(), args.grouped.measured_for(fitted)),
         (None, Some(file)) => {
-            let of = Robot { robot: file.clone(), base: args.base.clone(), tip: args.tip.clone() };
+            let of = Robot {
+                robot: file.clone(),
+                base: args.base.clone(),
+                tip: args.tip.clone(),
+                base_known: true,
+                tool_known: true,
+            };
             (robot(&of)?, args.grouped.measured_on(file)?)
         }
         (None, None) => return Err(Failure::Input("--robot or --fit: one of them is needed".into())),

@@ -2,10 +2,10 @@
 
 use super::nominal::Nominal;
 use std::path::Path;
-use truepose_errormodel::Dataset;
+use truepose_errormodel::{Dataset, Moving};
 use truepose_identify::{Cause, Suspicion, suspicions};
-use truepose_kinematics::Chain;
-use truepose_report::{DataCheck, suspicion_text};
+use truepose_kinematics::{Chain, JointKind};
+use truepose_report::{DataCheck, significant, suspicion_text};
 
 /// What seems wrong, in words, and which rows a fit does better without.
 pub(crate) struct Mistakes {
@@ -22,6 +22,11 @@ pub(crate) struct Mistakes {
 impl Mistakes {
     /// Of a robot and its measurements.
     pub fn of(chain: &Chain, data: &Dataset, file: &Path) -> Self {
+        if let Some(words) = moving(chain, data, file) {
+            // Nothing else is known of rows that were measured on the way.
+            let nominal = Nominal::of(chain, Some(data), &[]);
+            return Mistakes { words: vec![words], mistaken: Vec::new(), whole: true, nominal };
+        }
         let found = suspicions(chain, data);
         let nominal = Nominal::of(chain, Some(data), &found);
         let one = |found: &Suspicion| suspicion_text(chain, found, &data.line);
@@ -54,6 +59,36 @@ impl Mistakes {
     pub fn check(&self) -> DataCheck {
         DataCheck { suspected: self.words.clone(), rows_left_out: Vec::new(), in_doubt: self.whole }
     }
+}
+
+/// What is stated of a log in which the robot moves.
+fn moving(chain: &Chain, data: &Dataset, file: &Path) -> Option<String> {
+    let found = Moving::of(data)?;
+    let speed = found.speed.map_or_else(String::new, |(speed, joint)| {
+        let joint = chain.joint(chain.movable()[joint]);
+        let (speed, unit) = match joint.kind {
+            JointKind::Prismatic => (1e3 * speed, "mm/s"),
+            _ => (speed.to_degrees(), "°/s"),
+        };
+        format!(" at {} {unit} ({}, median)", significant(speed, 2), joint.name)
+    });
+    let rate =
+        found.rate.map_or_else(String::new, |rate| format!(", {} rows per second", significant(rate, 3)));
+    let file = file.display();
+    let advice = match found.rate {
+        Some(_) => format!(
+            "`truepose dwell {file} --robot ROBOT --out FILE` finds the dwells in it, and the lag between the clocks of joints and \
+             instrument"
+        ),
+        None => format!(
+            "log the time of each row (column `time[s]`), for `truepose dwell {file} --robot ROBOT --out FILE` to find the dwells"
+        ),
+    };
+    Some(format!(
+        "{file}: the robot moves{speed} in {} of {}{rate}: a fit needs rows that were measured in dwells. {advice}",
+        found.rows,
+        truepose_report::count(data.len(), "row")
+    ))
 }
 
 /// The rows of a mistake that was made in some rows.

@@ -8,6 +8,7 @@ pub(crate) mod compensate;
 mod completions;
 mod declared_landmarks;
 pub(crate) mod discover;
+mod dwell;
 mod effects;
 pub(crate) mod expected;
 pub(crate) mod export;
@@ -19,6 +20,7 @@ mod held_out;
 pub(crate) mod identified;
 pub(crate) mod identify;
 mod init;
+pub(crate) mod installation;
 mod iso9283;
 mod joint_units;
 mod map;
@@ -83,6 +85,7 @@ pub fn run(verb: &Verb, files: &Files, watch: &Watch) -> Result<(), Failure> {
         Verb::Monitor(verb) => monitor::run(verb, watch),
         Verb::Compare(verb) => compare::run(verb, watch),
         Verb::Init(verb) => init::run(verb),
+        Verb::Dwell(verb) => dwell::run(verb),
         Verb::Check(verb) => check::run(verb),
         Verb::Effects(verb) => effects::run(verb),
         Verb::Simulate(verb) => simulate::run(verb),

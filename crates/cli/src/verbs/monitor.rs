@@ -1,6 +1,7 @@
 //! `truepose monitor`: whether a robot has changed since it was calibrated.
 
 use super::print_json;
+use super::reporting::Folder;
 use super::sessions::{chosen, one};
 use crate::args::Monitor;
 use crate::extensions::effects;
@@ -8,10 +9,13 @@ use crate::failure::Failure;
 use crate::terminal;
 use crate::verdict::usable;
 use crate::watch::Watch;
+use std::path::Path;
+use truepose_identify::Residuals;
 use truepose_io::{
-    LookRecord, MonitorHistory, check_writable, file_digest, read_fit, read_measurements, write_whole,
+    LookRecord, MonitorHistory, WholeFiles, check_writable, file_digest, read_fit, read_measurements,
+    write_whole,
 };
-use truepose_report::{LookView, MonitorSummary, history_page};
+use truepose_report::{LookView, MonitorSummary, Verdict, history_page, monitor_report};
 use truepose_upkeep::{Installation, MonitorOptions, monitor};
 
 /// Runs the verb; [`Failure::Changed`] where the robot has changed.
@@ -19,6 +23,9 @@ pub fn run(args: &Monitor, watch: &Watch) -> Result<(), Failure> {
     for file in [args.history.as_deref(), args.page.as_deref()].into_iter().flatten() {
         check_writable(file)?;
     }
+    let folder = Folder::prepare(args.report.as_ref(), "monitor.json")?
+        .map(|folder| folder.certified(args.certificate.as_ref()))
+        .transpose()?;
     let fitted = chosen(
         usable(&args.fit, read_fit(&args.fit, effects())?, args.accept.accept)?,
         args.session.as_deref(),
@@ -42,10 +49,15 @@ pub fn run(args: &Monitor, watch: &Watch) -> Result<(), Failure> {
     let options = MonitorOptions { alpha: args.alpha, looks: history.looks.len(), installation };
     let seen = monitor(&fitted, &data, options)
         .map_err(|error| Failure::Input(format!("{}: {error}", args.data.display())))?;
-    let summary = MonitorSummary::new(fitted.chain().name(), &seen, history.looks.len() + 1, args.alpha);
+    let mut summary = MonitorSummary::new(fitted.chain().name(), &seen, history.looks.len() + 1, args.alpha);
+    summary.date.clone_from(&args.date);
+    if let Some(limit) = args.spec {
+        summary = summary.with_specification(limit, &data, &Residuals::of(&fitted, &data)?);
+    }
     history.looks.push(LookRecord {
         data: args.data.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned()),
         data_sha256,
+        date: args.date.clone(),
         rows: seen.rows,
         poses: seen.poses,
         rms_mm: summary.rms_mm,
@@ -58,19 +70,34 @@ pub fn run(args: &Monitor, watch: &Watch) -> Result<(), Failure> {
     if let Some(file) = &args.history {
         history.write(file)?;
     }
+    let looks: Vec<LookView> = history.looks.iter().map(view).collect();
     if let Some(file) = &args.page {
-        let looks: Vec<LookView> = history.looks.iter().map(view).collect();
         write_whole(file, history_page(&summary, &looks).as_bytes())?;
+    }
+    if let Some(folder) = &folder {
+        let inputs: Vec<&Path> = [Some(&args.fit), Some(&args.data), args.certificate.as_ref()]
+            .into_iter()
+            .flatten()
+            .map(|file| &**file)
+            .collect();
+        let mut files = WholeFiles::default();
+        folder.add(&mut files, &summary, &inputs, |run| Ok(monitor_report(&summary, &looks, run)))?;
+        files.finish()?;
     }
     if args.json {
         print_json(&summary)?;
     } else {
         terminal::print(&summary.to_string());
     }
-    for file in [args.history.as_deref(), args.page.as_deref()].into_iter().flatten() {
+    let page = folder.as_ref().map(Folder::page);
+    for file in [args.history.as_deref(), args.page.as_deref(), page.as_deref()].into_iter().flatten() {
         terminal::log(&format!("wrote {}", file.display()));
     }
-    if seen.changed { Err(Failure::Changed) } else { Ok(()) }
+    match &summary.specification {
+        _ if seen.changed => Err(Failure::Changed),
+        Some(of) if of.verdict == Verdict::Fail => Err(Failure::Criterion(of.sentence())),
+        _ => Ok(()),
+    }
 }
 
 /// Refuses measurements that the history has already: a check of the same numbers is no further one.
@@ -92,6 +119,7 @@ fn once(history: &MonitorHistory, sha256: &str, args: &Monitor) -> Result<(), Fa
 fn view(look: &LookRecord) -> LookView {
     LookView {
         data: look.data.clone(),
+        date: look.date.clone(),
         poses: look.poses,
         rms_mm: look.rms_mm,
         expected_rms_mm: look.expected_rms_mm,

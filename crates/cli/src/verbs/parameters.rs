@@ -3,14 +3,15 @@
 use crate::failure::Failure;
 use std::path::Path;
 use truepose_compensate::{ExportOptions, Parameter, ParameterTable, PartKind, parameter_table};
-use truepose_errormodel::FittedModel;
+use truepose_errormodel::effects::Geometric;
+use truepose_errormodel::{Effect, FittedModel, Sample};
 use truepose_io::{
     ExportUnits, FrameParent, NamedFrame, ParameterRow, Quantity, RobotDetails, Unit, WholeFile,
     parameters_file, read_details,
 };
 use truepose_kinematics::nalgebra::Vector3;
 use truepose_kinematics::{Chain, Pose};
-use truepose_report::{ParameterSummary, ParametersSummary};
+use truepose_report::{OffsetApart, ParameterSummary, ParametersSummary};
 
 /// Half width of a 95 % interval, in standard uncertainties.
 const COVERAGE: f64 = 1.959_964;
@@ -77,7 +78,10 @@ pub(crate) fn units(fitted: &FittedModel) -> ExportUnits {
 /// The parameters of a fit, or why there are none.
 pub(crate) fn parameters(fitted: &FittedModel) -> ParametersSummary {
     match parameter_table(fitted, &ExportOptions::default()) {
-        Ok(exported) => summary(fitted, &exported.value, &exported.left_out),
+        Ok(exported) => {
+            let summary = summary(fitted, &exported.value, &exported.left_out);
+            ParametersSummary { zero_offsets_apart: apart(fitted, &summary), ..summary }
+        }
         Err(error) => ParametersSummary { absent: Some(error.to_string()), ..ParametersSummary::default() },
     }
 }
@@ -152,7 +156,39 @@ pub(super) fn summary(
         left_out: left_out.iter().map(ToString::to_string).collect(),
         parameters,
         joint_zero_offsets: table.offsets.iter().map(offset).collect(),
+        zero_offsets_apart: Vec::new(),
     }
+}
+
+/// Effective zero offsets as the zeros of the constants and the mean of all other effects; nothing where the model has constants alone.
+fn apart(fitted: &FittedModel, whole: &ParametersSummary) -> Vec<OffsetApart> {
+    let of = |constant: bool| {
+        let mut fitted = fitted.clone().only(|family| (family == Geometric::FAMILY) == constant);
+        fitted.fallback = None;
+        // A part of the model is held against that part, and not against what was measured.
+        let mut rows = fitted.domain.sample.rows().clone();
+        rows.position.fill([f64::NAN; 3]);
+        fitted.domain.sample = Sample::of(&rows).for_model(fitted.model());
+        let table = parameter_table(&fitted, &ExportOptions::default()).ok()?;
+        Some(summary(&fitted, &table.value, &table.left_out).joint_zero_offsets)
+    };
+    if whole.left_out.is_empty() {
+        return Vec::new();
+    }
+    let Some((own, rest)) = of(true).zip(of(false)) else { return Vec::new() };
+    let known = whole.joint_zero_offsets.iter().zip(own).zip(rest);
+    let estimated = known.filter(|((effective, _), _)| effective.half_width_95.is_some());
+    let one =
+        |((effective, own), rest): ((&ParameterSummary, ParameterSummary), ParameterSummary)| OffsetApart {
+            joint: effective.part.clone(),
+            unit: effective.unit.clone(),
+            effective: effective.calibrated,
+            own: own.calibrated,
+            own_half_width_95: own.half_width_95,
+            difference: effective.calibrated - own.calibrated,
+            difference_half_width_95: rest.half_width_95,
+        };
+    estimated.map(one).collect()
 }
 
 /// The CSV file of the parameters, zero offsets last.

@@ -18,9 +18,13 @@ pub fn run(args: &Plan, watch: &Watch) -> Result<(), Failure> {
     check_writable(&args.out)?;
     let chain = match (&args.fit, &args.robot) {
         (Some(file), _) => chosen(read_fit(file, effects())?, args.session.as_deref(), true)?.chain().clone(),
-        (None, Some(file)) => {
-            robot(&Robot { robot: file.clone(), base: args.base.clone(), tip: args.tip.clone() })?
-        }
+        (None, Some(file)) => robot(&Robot {
+            robot: file.clone(),
+            base: args.base.clone(),
+            tip: args.tip.clone(),
+            base_known: true,
+            tool_known: true,
+        })?,
         (None, None) => return Err(Failure::Input("--robot or --fit: one of them is needed".into())),
     };
     let load = match args.loads[..] {

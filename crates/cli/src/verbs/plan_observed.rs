@@ -29,7 +29,13 @@ pub fn run(args: &Plan, file: &Path, watch: &Watch) -> Result<(), Failure> {
     let fitted = match (&args.fit, &args.model) {
         (Some(fit), _) => chosen(read_fit(fit, registry)?, args.session.as_deref(), true)?,
         (None, Some(model)) => {
-            let chain = robot(&Robot { robot: file.into(), base: args.base.clone(), tip: args.tip.clone() })?;
+            let chain = robot(&Robot {
+                robot: file.into(),
+                base: args.base.clone(),
+                tip: args.tip.clone(),
+                base_known: true,
+                tool_known: true,
+            })?;
             unmeasured(&chain, &read_model(model, &chain, registry)?, &surroundings)?
         }
         (None, None) => return Err(Failure::Input("--fit or --model: one of them is needed".into())),

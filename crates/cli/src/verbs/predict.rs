@@ -63,7 +63,10 @@ pub fn run(args: &Predict, watch: &Watch) -> Result<(), Failure> {
             rows: data.len(),
             extrapolating: beyond.beyond(),
             position: (position.count > 0).then(|| position.into()),
-            within_95_mm: predicted.iter().map(|p| 1e3 * p.within_95).collect(),
+            within_95_mm: predicted
+                .iter()
+                .map(|p| 1e3 * beyond::bounded(p.within_95).unwrap_or(f64::NAN))
+                .collect(),
             error_mm: (0..data.len()).map(|row| residuals.distance(row).map(|d| 1e3 * d)).collect(),
         };
         let mut files = WholeFiles::default();
@@ -76,6 +79,8 @@ pub fn run(args: &Predict, watch: &Watch) -> Result<(), Failure> {
         files.finish()?;
         terminal::log(&format!("wrote {}", folder.page().display()));
     }
+    let unbounded = predicted.iter().filter(|p| p.within_95 == f64::INFINITY).count();
+    terminal::warn(beyond::unbounded(unbounded, "row").as_slice());
     data.set_sessions(sessions);
     write_predictions(&args.out, fitted.chain(), &data, &info, &predicted)?;
     Outcome { rows: data.len(), position, orientation, beyond }.print(args, &fitted, &data)
@@ -163,7 +168,10 @@ pub(crate) fn predict(
                 inputs.conditions_into(row, &mut conditions);
                 let judged = coverage.judge(&conditions, inputs.target[row]);
                 tally.add(&judged.beyond);
-                let within_95 = radius_95(&(judged.covariance + noise));
+                let within_95 = match fitted.determines(inputs.target[row]) {
+                    true => radius_95(&(judged.covariance + noise)),
+                    false => f64::INFINITY,
+                };
                 Prediction { pose: judged.pose, oriented, within_95, extrapolates: !judged.beyond.is_empty() }
             };
             let predicted = rows.iter().map(one).collect();
@@ -206,7 +214,7 @@ fn by_blocks(
     let mut file = PredictionsWriter::create(&args.out, chain, repeated).ok()?;
     let (mut position, mut orientation) = (Tally::keeping(EXACT), Tally::keeping(EXACT));
     let (mut block, mut rows) = (Dataset::default(), 0);
-    let (mut beyond, mut warnings) = (beyond::Tally::default(), Vec::new());
+    let (mut beyond, mut warnings, mut unbounded) = (beyond::Tally::default(), Vec::new(), 0);
     while reader.read_block(BLOCK, &mut block).ok()? > 0 {
         for warning in targets_seen(fitted, &block).ok()? {
             if !warnings.contains(&warning) {
@@ -215,6 +223,7 @@ fn by_blocks(
         }
         let (predicted, some) = predict(fitted, &coverage, &block);
         beyond.join(&some);
+        unbounded += predicted.iter().filter(|p| p.within_95 == f64::INFINITY).count();
         file.write(&block, (reader.block_labels(), reader.block_ids()), &predicted).ok()?;
         let residuals = Residuals::of(fitted, &block).ok()?;
         position.add((0..block.len()).filter_map(|row| residuals.distance(row)));
@@ -225,6 +234,7 @@ fn by_blocks(
     file.finish().ok()?;
     terminal::warn(&reader.warnings(chain));
     terminal::warn(&warnings);
+    terminal::warn(beyond::unbounded(unbounded, "row").as_slice());
     let outcome = Outcome { rows, position: position.spread(), orientation: orientation.spread(), beyond };
     Some(outcome.print(args, fitted, &empty))
 }

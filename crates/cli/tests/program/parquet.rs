@@ -22,7 +22,7 @@ fn identify<'a>(data: &'a str, more: &[&'a str]) -> Vec<&'a str> {
 
 /// Without the lines of rows: a CSV has one more, its header.
 fn without_lines(text: &str) -> String {
-    let mut parts = text.split(", line ");
+    let mut parts = text.split("line ");
     let first = parts.next().unwrap_or("").to_owned();
     parts.fold(first, |all, part| all + part.trim_start_matches(|c: char| c.is_ascii_digit()))
 }

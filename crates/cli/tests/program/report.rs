@@ -56,6 +56,8 @@ fn searched(robot: &str, joint: &str) -> Folder {
             "page",
             "--spec",
             "0.2mm",
+            "--correction",
+            "commands",
             "--rotations",
             "499",
         ])
@@ -71,8 +73,19 @@ fn escaped(text: &str) -> String {
 #[test]
 fn page_json_and_terminal_have_the_same_numbers() {
     let folder = discovered("small", "j1");
-    let same =
-        ["discover", "--robot", "robot.toml", "--data", "data.csv", "--spec", "0.2mm", "--rotations", "499"];
+    let same = [
+        "discover",
+        "--robot",
+        "robot.toml",
+        "--data",
+        "data.csv",
+        "--spec",
+        "0.2mm",
+        "--correction",
+        "commands",
+        "--rotations",
+        "499",
+    ];
     let terminal = folder.run(&same).ended(0).out;
     let json = folder.run(&[&same[..], &["--json"]].concat()).ended(0).out;
     let result: Value = serde_json::from_str(&folder.read("page/discovery.json")).unwrap();
@@ -254,7 +267,12 @@ fn every_verb_with_a_report_writes_one_that_repeats() {
     let folder = Folder::with_data();
     let inputs = ["--robot", "robot.toml", "--data", "data.csv"];
     let with = |verb: &'static str, more: &[&'static str]| [&[verb], &inputs[..], more].concat();
-    folder.run(&with("identify", &["--out", "fit.json", "--report", "i", "--spec", "0.2mm"])).ended(0);
+    folder
+        .run(&with(
+            "identify",
+            &["--out", "fit.json", "--report", "i", "--spec", "0.2mm", "--correction", "constants"],
+        ))
+        .ended(0);
     folder.run(&with("compare", &["--solver", "qr", "--solver", "svd", "--report", "c"])).ended(0);
     folder.run(&["predict", "--fit", "fit.json", "--data", "data.csv", "--out", "poses.csv"]).ended(0);
     folder

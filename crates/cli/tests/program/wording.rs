@@ -168,7 +168,12 @@ fn identify_and_discover_use_the_terms_of_the_field() {
         let files = [verb, "--robot", &robot, "--data", &data, "--model", &model, "--out", "fit.json"];
         let short = ["--most", "1", "--rotations", "99"];
         let short = if verb == "discover" && !cfg!(feature = "slow") { &short[..] } else { &[] };
-        let run = folder.run(&[&files[..], &["--report", verb, "--spec", "0.4mm"], short].concat()).ended(0);
+        let run = folder
+            .run(
+                &[&files[..], &["--report", verb, "--spec", "0.4mm", "--correction", "commands"], short]
+                    .concat(),
+            )
+            .ended(0);
         let page = text_of(&folder.read(&format!("{verb}/index.html")));
         let faults = faults(&format!("{}\n{}\n{page}", run.out, run.log));
         assert!(faults.is_empty(), "{verb}:\n{}", faults.join("\n"));

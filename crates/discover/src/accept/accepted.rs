@@ -27,6 +27,15 @@ impl Accepted {
         names.each.iter().any(|&other| other > names.own)
     }
 
+    /// The simplest of the named hypotheses that are not distinguishable from the finding, where it is simpler than the finding.
+    pub fn simplest(&self, policy: &Policy) -> Option<&Candidate> {
+        let size =
+            |c: &Candidate| (c.hypothesis().rank(), c.nonlinear().count() + c.ends(), c.effects().len());
+        let tied = self.competitors.iter().filter(|(c, behind)| c.family.is_named() && *behind < policy.tie);
+        let simplest = tied.map(|(candidate, _)| candidate).min_by_key(|candidate| size(candidate))?;
+        (size(simplest) < size(&self.candidate)).then_some(simplest)
+    }
+
     /// Sets the competing hypotheses; those that would explain another finding as well are among them.
     pub fn compete(&mut self, mut competitors: Vec<(Candidate, f64)>) {
         for (other, behind) in &self.instead {

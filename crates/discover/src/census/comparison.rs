@@ -6,6 +6,7 @@ use crate::census::all_rows::AllRows;
 use crate::census::blocks::Blocks;
 use crate::census::details::Detail;
 use crate::census::sums::sums;
+use crate::contest::names::name_prior;
 use crate::contest::penalty::log_prior_odds;
 use crate::error::DiscoverError;
 use crate::hypotheses::candidate::Candidate;
@@ -120,6 +121,13 @@ pub(crate) fn compared(
         let unknowns = |c: &Competitor| c.detail.freedom() + c.candidate.nonlinear().count();
         family.then(unknowns(a).cmp(&unknowns(b))).then(a.score.total_cmp(&b.score))
     });
+    // Of these the one with the most probable name.
+    let of_name = |c: &Competitor| c.score - c.prior + name_prior(c.candidate.family, &options.policy);
+    let likeliest = competitors[..tied].iter().map(of_name).fold(f64::INFINITY, f64::min);
+    let alike = likeliest + options.policy.same_explanation;
+    if let Some(first) = competitors[..tied].iter().position(|c| of_name(c) <= alike) {
+        competitors[..=first].rotate_right(1);
+    }
     let winner = competitors.remove(0);
     let mut others: Vec<(Candidate, f64)> = Vec::new();
     for other in competitors {

@@ -144,6 +144,8 @@ pub struct Alternative {
     pub probability: f64,
     /// Whether it is not distinguishable from the finding with this data.
     pub equivalent: bool,
+    /// Whether it is the simplest of these, and simpler than the finding.
+    pub simplest: bool,
 }
 
 /// The fit of the model with a competing hypothesis in place of a finding from which it is not

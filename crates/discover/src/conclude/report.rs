@@ -48,7 +48,12 @@ pub(crate) fn conclude(
     let held = partition.data.select(&partition.holdout_rows);
     let wanted = context.options.competing_fits;
     let Outcome { model, refused, untestable, last, stopped, joints } = outcome;
-    let (accepted, current) = (model.findings.clone(), Arc::clone(&model.current));
+    let (mut accepted, current) = (model.findings.clone(), Arc::clone(&model.current));
+    for finding in &mut accepted {
+        // Periods that were added, and a place that moved, make an earlier competing hypothesis the finding itself.
+        let own = finding.candidate.words();
+        finding.competitors.retain(|(other, _)| other.words() != own);
+    }
     let found: Vec<Candidate> = accepted.iter().map(|a| a.candidate.clone()).collect();
     let declared = match found.is_empty() {
         true => current.fit.clone(),
@@ -114,7 +119,7 @@ pub(crate) fn conclude(
             train: (steps[k].0, steps[k + 1].0),
             holdout: (steps[k].1, steps[k + 1].1),
             alternatives: match declared_fit.full_report {
-                true => alternatives(context, &trial, (k, &names), &accepted.competitors)?,
+                true => alternatives(context, &trial, (k, &names), accepted)?,
                 false => Vec::new(),
             },
             trace: match declared_fit.full_report {
@@ -316,8 +321,10 @@ fn alternatives(
     context: &Context<'_>,
     trial: &Trial<'_>,
     (which, names): (usize, &NameProbabilities),
-    competitors: &[(Candidate, f64)],
+    accepted: &Accepted,
 ) -> Result<Vec<Alternative>, DiscoverError> {
+    let competitors = &accepted.competitors;
+    let simplest = accepted.simplest(context.policy());
     let unnamed =
         competitors.iter().filter(|(r, _)| !r.family.is_named()).nth(context.budget().listed_unnamed);
     let last = unnamed.map_or(f64::INFINITY, |(_, behind)| *behind);
@@ -334,6 +341,7 @@ fn alternatives(
                 holdout: trial.instead(which, candidate)?.1,
                 behind: *behind,
                 equivalent: *behind < context.policy().tie,
+                simplest: simplest.is_some_and(|simplest| simplest.same_cause(candidate)),
             })
         })
         .collect()

@@ -129,7 +129,7 @@ pub(crate) fn outcompeted<'a>(
         (unnamed && !a_curve) || r.candidate.same_cause(&winner.candidate)
     };
     let others = competitors.into_iter().filter(|r| !itself(r));
-    let mut outcompeted: Vec<_> = others.map(|r| (with_mass(r), r.deficit(winner))).collect();
+    let mut outcompeted: Vec<_> = others.map(|r| (with_estimates(r), r.deficit(winner))).collect();
     outcompeted.sort_by(|a, b| a.1.total_cmp(&b.1));
     outcompeted
 }

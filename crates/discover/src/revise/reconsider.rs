@@ -76,7 +76,8 @@ pub(crate) fn reconsidered(
             // A replacement by another family or place has to pass the tests of a new finding, and its name has to be more probable once its
             // channel was held against surrogates.
             Some(evidence) if doubt(&evidence).is_some() || !likelier(&evidence) => {
-                model.findings = findings;
+                let surrogates = doubt(&evidence).is_none().then_some(evidence.p_surrogates);
+                model.findings[at].stays(&contest, (winner, surrogates), context.policy());
                 at += 1;
                 continue;
             }
@@ -93,6 +94,27 @@ pub(crate) fn reconsidered(
         at += 1;
     }
     Ok((model, moved))
+}
+
+impl Accepted {
+    /// The finding stays, with the contest's competing hypotheses: the winner is one of them, as doubtful as its channel makes it, unless it
+    /// failed the tests.
+    fn stays(&mut self, contest: &Contest, winner: (&Competitor, Option<Option<f64>>), policy: &Policy) {
+        let (winner, surrogates) = winner;
+        let own = contest.competitors.iter().find(|r| r.candidate.same_cause(&self.candidate));
+        let mut others = match own {
+            Some(own) => outcompeted(&contest.competitors, own, policy),
+            None => self.competitors.clone(),
+        };
+        match surrogates {
+            None => others.retain(|(other, _)| !other.same_cause(&winner.candidate)),
+            Some(p) => others
+                .iter_mut()
+                .filter(|(other, _)| other.same_cause(&winner.candidate))
+                .for_each(|other| other.1 = doubted(other.1, p, policy)),
+        }
+        self.compete(others);
+    }
 }
 
 /// The competing hypotheses, with the finding that stood until now among them as doubtful as its channel made it.

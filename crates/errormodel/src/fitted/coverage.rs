@@ -17,7 +17,7 @@
 
 use super::model::{FittedModel, Predicted, Predictor};
 use crate::{ModelError, Schema, Signal};
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{Matrix3, Matrix3x6, Vector3};
 use truepose_kinematics::{Conditions, Load, Pose, TargetId};
 
 /// Joint values closer than this, rad or m, are one configuration (docs/files.md, section 2).
@@ -107,6 +107,20 @@ impl<'m> Coverage<'m> {
             beyond.push((Beyond::Leverage, (open / widest.max(f64::MIN_POSITIVE)).sqrt()));
         }
         Judged { pose, covariance, beyond }
+    }
+
+    /// Covariance, m², of a point of the tool at this offset from its origin (m, in the tool's axes) that the coefficients leave open: of the
+    /// position of the tool, and of its orientation times the lever.
+    ///
+    /// ```text
+    /// p = t + R o,   C_p = J C Jᵀ,   J = [I  −[R o]ₓ]      C: of [t, rotation vector], 6 × 6
+    /// ```
+    pub fn covariance_at(&mut self, conditions: &Conditions, offset: &Vector3<f64>) -> Matrix3<f64> {
+        let lever = self.predictor.predict(conditions, None).rotation * offset;
+        let open = self.predictor.covariance(conditions, None);
+        let mut map = Matrix3x6::identity();
+        map.fixed_view_mut::<3, 3>(0, 3).copy_from(&-lever.cross_matrix());
+        map * open * map.transpose()
     }
 
     /// The same pose as the nominal robot has it.
@@ -208,6 +222,19 @@ impl FittedModel {
         } else {
             TargetKnown::Undetermined
         }
+    }
+
+    /// Whether the data of the fit determines the place of a target (none: the tool's origin) on the moving tool: it was measured there, or
+    /// the orientation of the tool was, by itself or by three points. Otherwise the lever between what was measured and the target turns by an
+    /// unknown angle.
+    pub fn determines(&self, target: Option<TargetId>) -> bool {
+        let seen = &self.domain.targets;
+        seen.is_empty() || seen.contains(&target) || self.determines_orientation()
+    }
+
+    /// Whether the data of the fit determines the orientation of the tool.
+    pub fn determines_orientation(&self) -> bool {
+        self.orientation_known() == TargetKnown::Measured || self.fixed_by_points()
     }
 
     /// Whether measured points of the tool fix its frame: three that do not lie on a line (to a sine of 1e-3).

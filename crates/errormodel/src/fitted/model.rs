@@ -24,8 +24,7 @@ pub struct FittedModel {
     pub channels: Vec<Channel>,
     /// The inputs on which it was fitted.
     pub domain: Domain,
-    /// Standard deviations of one component of a new measurement around the model: `position_sd` includes what the rows of
-    /// a visit share, `visit_sd` is zero.
+    /// Standard deviations of one component of a new measurement around the model, with what the rows of a visit share; `visit_sd` is zero.
     pub noise: NoiseModel,
     /// The part of `noise.position_sd` that rows of one visit share, the robot's repeatability, m; zero where it is not known.
     pub repeatability_sd: f64,
@@ -139,11 +138,15 @@ impl FittedModel {
 
     /// The robot alone, without the errors of instrument and log: what commands, maps and exported geometry correct.
     #[must_use]
-    pub fn of_robot(mut self) -> Self {
-        let of_instrument =
-            |&column: &usize| self.model.effects()[self.model.effect_of(column)].kind() == Instrument::FAMILY;
-        let columns: Vec<usize> = (0..self.coefficients.len()).filter(of_instrument).collect();
-        for column in columns {
+    pub fn of_robot(self) -> Self {
+        self.only(|family| family != Instrument::FAMILY)
+    }
+
+    /// The effects of these families alone: the coefficients of all others are zero and known to be.
+    #[must_use]
+    pub fn only(mut self, family: impl Fn(&str) -> bool) -> Self {
+        let other = |&column: &usize| !family(self.model.effects()[self.model.effect_of(column)].kind());
+        for column in (0..self.coefficients.len()).filter(other).collect::<Vec<_>>() {
             self.coefficients[column] = 0.0;
             self.covariance.row_mut(column).fill(0.0);
             self.covariance.column_mut(column).fill(0.0);
@@ -340,8 +343,7 @@ impl Predictor<'_> {
         Pose::new(tool.rotation, point)
     }
 
-    /// How the prediction with every finding moves with each coefficient: `J_e Φ`, rows `[x y z rx ry rz]`, m or rad (measurement frame) per unit
-    /// of the coefficient; 6 × p.
+    /// How the prediction with every finding moves with each coefficient: `J_e Φ`, 6 × p, rows `[x y z rx ry rz]`, m or rad (measurement frame).
     pub fn sensitivity(&mut self, conditions: &Conditions, target: Option<TargetId>) -> DMatrix<f64> {
         self.differentiate(conditions, target.into());
         self.rows.clone()
@@ -364,16 +366,14 @@ impl Predictor<'_> {
         }
     }
 
-    /// How well the prediction with every finding is known: covariance of `[x y z rx ry rz]` (m, rad, measurement frame) that comes
-    /// from the coefficients alone, `J_e Φ C (J_e Φ)ᵀ`.
+    /// Covariance of `[x y z rx ry rz]` (m, rad, measurement frame) with every finding, from the coefficients alone: `J_e Φ C (J_e Φ)ᵀ`.
     pub fn covariance(&mut self, conditions: &Conditions, target: Option<TargetId>) -> Matrix6<f64> {
         let rows = self.sensitivity(conditions, target);
         let spread = &rows * &self.fitted.covariance * rows.transpose();
         Matrix6::from_iterator(spread.iter().copied())
     }
 
-    /// [`Predictor::predict`], and the covariance of its position (m²) that comes from the coefficients, and from the findings that it lacks
-    /// where it falls back.
+    /// [`Predictor::predict`], and the covariance of its position (m²), with that of the findings that it lacks where it falls back.
     pub fn with_covariance(&mut self, conditions: &Conditions, aim: impl Into<Aim>) -> (Pose, Matrix3<f64>) {
         let Predicted { pose, covariance, .. } = self.judged(conditions, aim.into());
         (pose, covariance)

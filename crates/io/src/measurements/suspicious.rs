@@ -8,7 +8,7 @@ use super::plausible::rounded;
 use super::row::RowReader;
 use crate::{Quantity, Unit, Warning};
 use std::collections::BTreeSet;
-use truepose_errormodel::Dataset;
+use truepose_errormodel::{Dataset, Moving};
 use truepose_kinematics::{Chain, Load};
 
 /// Positions spread over more than this many lengths of the robot are in another unit.
@@ -68,6 +68,7 @@ pub(super) fn look(
         && !grouping.numbered
         && needs.joints
         && 10 * grouping.near >= data.len()
+        && Moving::of(data).is_none()
     {
         let message = format!(
             "no column `visit`, and {} neighbouring rows differ by {} rad or m at most: if the robot stood still there, they are one pose \

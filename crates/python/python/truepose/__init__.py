@@ -35,7 +35,7 @@ from truepose._discovery import Discovery, Finding, Rival
 from truepose._effect import Column, Declared, Effect, Hypothesis, Postures, Setting, Variant
 from truepose._errors import Interrupted
 from truepose._fit import Commands, Fit, HeldOut, Predictions, Residuals, load
-from truepose._recording import Recording, read_mcap
+from truepose._recording import Recording, read_mcap, standstills
 from truepose._rewriting import Rewritten, rewrite
 from truepose._robot import Joint, Observability, Robot, Target
 from truepose._table import Table
@@ -126,5 +126,6 @@ __all__ = [
     "read_mcap",
     "rewrite",
     "simulate",
+    "standstills",
     "transfer",
 ]

@@ -6,7 +6,7 @@ The decoders are existing packages: ``mcap-ros2-support`` for a bare MCAP file, 
 from __future__ import annotations
 
 import importlib
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
@@ -15,6 +15,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from truepose import _core
+from truepose._arrays import Frame
 from truepose._core import InputError
 
 Array = NDArray[np.float64]
@@ -96,6 +98,81 @@ def read_mcap(
     return align(headers, tq - zero, q, tp - zero, located, still=still, dwell=dwell, settle=settle, lag=lag)
 
 
+_FACTORS = {"rad": 1.0, "deg": np.pi / 180.0, "mrad": 1e-3, "m": 1.0, "mm": 1e-3, "um": 1e-6, "in": 0.0254, "s": 1.0, "ms": 1e-3, "min": 60.0}
+_NO_JOINT = {"x", "y", "z", "qw", "qx", "qy", "qz", "rx", "ry", "rz", "cx", "cy", "cz", "sx", "sy", "sz", "srx", "sry", "srz", "time", "distance"}
+
+
+def standstills(
+    log: Frame,
+    *,
+    joints: Sequence[str] | None = None,
+    still: float = 2e-4,
+    dwell: float = 0.5,
+    settle: float = 0.2,
+    lag: float | None = None,
+) -> Recording:
+    """Finds the standstills in a log: joints, measured positions and ``time[s]`` in each row, the robot moving or not.
+
+    ``log`` is a frame (pandas, polars, pyarrow) or a dict of arrays with the column names of measurements, such as ``j1[deg]``, ``x[mm]``.
+    ``joints`` are the names of the joint columns; all other columns in a unit of an angle or a length otherwise. A standstill is where every
+    joint stays within ``still`` (rad or m) for ``dwell`` seconds or longer; its first ``settle`` seconds are left out. The lag of the
+    instrument behind the joints is found by correlating the two speeds, unless it is given. ``truepose dwell`` does the same with a file.
+
+    Raises ``InputError`` where a column is missing, or the robot never stood still.
+    """
+    columns = _numbers(log)
+    bare = {header.split("[")[0].strip(): header for header in columns}
+    for needed in ("time", "x", "y", "z"):
+        if needed not in bare:
+            raise InputError(f"a log needs a column `{needed}` (its columns: {', '.join(columns)})")
+
+    def scaled(name: str) -> Array:
+        header = bare[name]
+        unit = header.split("[")[1].rstrip("] ") if "[" in header else ""
+        if unit not in _FACTORS:
+            raise InputError(f"column `{header}`: name its unit, as in `{name}[mm]`")
+        return columns[header] * _FACTORS[unit]
+
+    def is_joint(name: str, header: str) -> bool:
+        unit = header.split("[")[1].rstrip("] ") if "[" in header else ""
+        return name not in _NO_JOINT and unit in ("rad", "deg", "mrad", "m", "mm", "um", "in")
+
+    names = [name for name, header in bare.items() if is_joint(name, header)] if joints is None else list(joints)
+    unknown = [name for name in names if name not in bare]
+    if unknown or not names:
+        raise InputError(f"the log has no joint column {', '.join(unknown) or 'with a unit'} (its columns: {', '.join(columns)})")
+    order = np.argsort(scaled("time"), kind="stable")
+    time = scaled("time")[order]
+    first = np.concatenate([[True], np.diff(time) > 0.0])
+    q = np.stack([scaled(name)[order] for name in names], axis=1)[first]
+    positions = np.stack([scaled(axis)[order] for axis in "xyz"], axis=1)
+    seen = np.isfinite(positions).all(axis=1)
+    turned = all(name in bare for name in ("qw", "qx", "qy", "qz"))
+    rotations = np.stack([columns[bare[name]][order] for name in ("qw", "qx", "qy", "qz")], axis=1)[seen] if turned else None
+    located = [(p, None if rotations is None else rotations[k]) for k, p in enumerate(positions[seen])]
+    slides = ("m", "mm", "um", "in")
+    units = ["m" if bare[name].split("[")[1].rstrip("] ") in slides else "rad" for name in names]
+    headers = [f"{name}[{unit}]" for name, unit in zip(names, units, strict=True)]
+    return align(headers, time[first], q, time[seen], located, still=still, dwell=dwell, settle=settle, lag=lag)
+
+
+def _numbers(log: Frame) -> dict[str, Array]:
+    """Columns of numbers of a frame."""
+    if isinstance(log, Mapping):
+        pairs = list(log.items())
+    else:
+        frame: Any = log
+        names = [str(name) for name in (frame.column_names if hasattr(frame, "column_names") else frame.columns)]
+        pairs = [(name, frame[name]) for name in names]
+    columns: dict[str, Array] = {}
+    for name, values in pairs:
+        try:
+            columns[str(name)] = np.asarray(values, dtype=np.float64)
+        except (TypeError, ValueError):
+            continue
+    return columns
+
+
 def align(
     headers: Sequence[str],
     tq: Array,
@@ -112,12 +189,13 @@ def align(
     position = np.array([p for p, _ in located])
     turned = [r for _, r in located if r is not None]
     rotation = np.array(turned) if len(turned) == len(located) else None
-    found, correlation = _lag(tq, q, tp, position)
+    joints, points = np.ascontiguousarray(q, dtype=np.float64), np.ascontiguousarray(position, dtype=np.float64)
+    pairs, found, correlation = _core.standstills(tq, joints, tp, points, still, dwell)
     if lag is not None:
         used = lag
     else:
         used = found if correlation >= 0.5 else 0.0
-    starts, ends = _standstills(tq, q, still, dwell)
+    starts, ends = [float(tq[first]) for first, _ in pairs], [float(tq[last]) for _, last in pairs]
     rows: list[tuple[float, float, Array, Array, Array | None, int, float]] = []
     for start, end in zip(starts, ends, strict=True):
         at = (tp - used >= start + settle) & (tp - used <= end)
@@ -149,71 +227,6 @@ def align(
         lag=used,
         correlation=correlation,
     )
-
-
-def _standstills(t: Array, q: Array, still: float, dwell: float) -> tuple[list[float], list[float]]:
-    """Stretches in which no joint moves by more than ``still`` within a fifth of ``dwell``, and none by more than five times that in all."""
-    if len(t) < 3:
-        return [], []
-    step = float(np.median(np.diff(t)))
-    half = max(1, round(0.1 * dwell / max(step, 1e-9)))
-    padded = np.pad(q, ((half, half), (0, 0)), mode="edge")
-    windows = np.lib.stride_tricks.sliding_window_view(padded, 2 * half + 1, axis=0)
-    calm = (windows.max(axis=-1) - windows.min(axis=-1) <= still).all(axis=1)
-    starts, ends, first = [], [], -1
-    for k in range(len(t) + 1):
-        goes_on = k < len(t) and bool(calm[k])
-        if goes_on and first >= 0:
-            # Samples of joint states may be missing: a gap is no standstill.
-            goes_on = bool(t[k] - t[k - 1] <= 10.0 * step and np.all(np.abs(q[k] - q[first]) <= 5.0 * still))
-        if not goes_on:
-            if first >= 0 and t[k - 1] - t[first] >= dwell:
-                starts.append(float(t[first]))
-                ends.append(float(t[k - 1]))
-            first = -1
-        if k < len(t) and calm[k] and first < 0:
-            first = k
-    return starts, ends
-
-
-def _lag(tq: Array, q: Array, tp: Array, p: Array) -> tuple[float, float]:
-    """The lag of the poses, s, at which the speeds of joints and of the tracked point correlate most, and that correlation."""
-    if len(tq) < 4 or len(tp) < 4:
-        return 0.0, 0.0
-    step = float(max(min(np.median(np.diff(tq)), np.median(np.diff(tp))), 1e-4))
-    begin, end = max(tq[0], tp[0]), min(tq[-1], tp[-1])
-    count = int((end - begin) / step)
-    if count < 16:
-        return 0.0, 0.0
-    grid = begin + step * np.arange(count)
-    # Mean speeds over a few samples: derivatives of what scatters would correlate with nothing.
-    width = max(1, round(0.05 / step))
-
-    def speed(t: Array, values: Array) -> Array:
-        even = np.stack([np.interp(grid, t, values[:, k]) for k in range(values.shape[1])], axis=1)
-        moved = np.linalg.norm(even[width:] - even[:-width], axis=1)
-        # Moving or not, rather than how fast: how much faster a point is than the joints changes from posture to posture.
-        slow = 0.1 * float(np.quantile(moved, 0.9))
-        moved = moved / (moved + slow) if slow > 0.0 else moved
-        return np.asarray(moved - moved.mean(), dtype=np.float64)
-
-    a, b = speed(tq, q), speed(tp, p)
-    scale = float(np.sqrt(np.sum(a * a) * np.sum(b * b)))
-    if scale == 0.0:
-        return 0.0, 0.0
-    size = 1 << (2 * len(a) - 1).bit_length()
-    cross = np.fft.irfft(np.conj(np.fft.rfft(a, size)) * np.fft.rfft(b, size), size) / scale
-    most = min(len(a) // 2, round(2.0 / step))
-    shifts = np.arange(-most, most + 1)
-    values = cross[shifts]
-    best = int(np.argmax(values))
-    shift = float(shifts[best])
-    if 0 < best < len(shifts) - 1:
-        left, middle, right = values[best - 1 : best + 2]
-        bend = left - 2.0 * middle + right
-        if bend < 0.0:
-            shift += 0.5 * float((left - right) / bend)
-    return shift * step, float(values[best])
 
 
 def _mean_rotation(quaternions: Array) -> Array:

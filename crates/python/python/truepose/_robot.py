@@ -76,9 +76,21 @@ class Robot:
         return cls(_core.Robot.from_file(os.fspath(path), None, None))
 
     @classmethod
-    def from_urdf(cls, path: Path, *, base: str | None = None, tip: str | None = None) -> Robot:
-        """Reads a URDF between two links; by default from its root to its only leaf."""
-        return cls(_core.Robot.from_file(os.fspath(path), base, tip))
+    def from_urdf(
+        cls,
+        path: Path,
+        *,
+        base: str | None = None,
+        tip: str | None = None,
+        base_known: bool = False,
+        tool_known: bool = False,
+    ) -> Robot:
+        """Reads a URDF between two links; by default from its root to its only leaf.
+
+        A URDF states neither where an instrument stood nor which point of the tool it measured: both are found from measured positions, unless
+        `base_known` (the data is in the frame of the base link) and `tool_known` (the measured point is the tip link) declare them known.
+        """
+        return cls(_core.Robot.from_file(os.fspath(path), base, tip, (bool(base_known), bool(tool_known))))
 
     @classmethod
     def from_text(cls, text: str) -> Robot:

@@ -3,6 +3,7 @@
 use crate::significant;
 use serde::{Deserialize, Serialize};
 use truepose_discover::{Alternative, Evidence, Finding, Parameter, Place};
+use truepose_errormodel::Dataset;
 
 /// One finding: an effect that was added to the model.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -24,6 +25,9 @@ pub struct FindingSummary {
     /// 1-based data rows of outliers or a wrong payload.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub rows: Vec<usize>,
+    /// Lines of the file of these rows; empty of data from no file.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub lines: Vec<u64>,
     /// 1-based data rows of each pose measurement that is an outlier as a whole; they are among `rows`.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub poses: Vec<Vec<usize>>,
@@ -89,11 +93,15 @@ pub struct AlternativeSummary {
     pub behind: f64,
     /// True when the hypothesis and the finding are not distinguishable with this data.
     pub equivalent: bool,
+    /// True when it is the simplest of those that are not distinguishable, and simpler than the finding.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub simplest: bool,
 }
 
 impl FindingSummary {
-    /// `by_order`: the data has no time, and the numbers of pose measurements stand for it.
-    pub(super) fn new(finding: &Finding, by_order: bool) -> Self {
+    /// Of a finding in this data; without a time the numbers of pose measurements stand for it.
+    pub(super) fn new(finding: &Finding, data: &Dataset) -> Self {
+        let by_order = data.by_order;
         let candidate = &finding.candidate;
         let mm = |(before, after): (f64, f64)| BeforeAfter { before: before * 1e3, after: after * 1e3 };
         let parameter = |effect: &dyn truepose_errormodel::AnyEffect, key: &str| {
@@ -132,6 +140,7 @@ impl FindingSummary {
             periods: if periods.len() > 1 { periods } else { Vec::new() },
             at,
             rows: finding.rows.iter().map(|row| row + 1).collect(),
+            lines: finding.rows.iter().filter_map(|&row| data.line.get(row).copied()).collect(),
             poses: finding.poses.iter().map(|rows| rows.iter().map(|row| row + 1).collect()).collect(),
             p_value: finding.p_value,
             p_sign_flips: finding.evidence.as_ref().map(|evidence| evidence.p_sign_flips),
@@ -176,19 +185,42 @@ impl FindingSummary {
         let others = named
             .map(|other| (other.name(), other.probability))
             .chain([(UNNAMED.to_owned(), self.unnamed_probability)]);
-        match self.family.as_str() {
+        let name = match self.family.as_str() {
             "unmodelled" => self.name(),
             _ => claimed(&self.name(), self.name_probability, others.max_by(|a, b| a.1.total_cmp(&b.1))),
+        };
+        match self.simplest() {
+            Some(simplest) => format!("{name}; {simplest}"),
+            None => name,
         }
+    }
+
+    /// The simplest hypothesis that is not distinguishable from the finding, where the finding is not the simplest.
+    pub(crate) fn simplest(&self) -> Option<String> {
+        let simplest = self.alternatives.iter().find(|other| other.simplest)?;
+        Some(format!(
+            "simplest that is not distinguishable: {} ({})",
+            simplest.name(),
+            probability(simplest.probability)
+        ))
+    }
+
+    /// The rows that it concerns, as a person finds them: `lines 304, 305` of the file, or `rows 303, 304` of data from no file.
+    pub(crate) fn places(&self, most: usize) -> String {
+        let (word, numbers): (_, Vec<String>) = match self.lines.len() == self.rows.len() {
+            true => ("line", self.lines.iter().map(ToString::to_string).collect()),
+            false => ("row", self.rows.iter().map(ToString::to_string).collect()),
+        };
+        let (shown, more) = (numbers.len().min(most), numbers.len().saturating_sub(most));
+        let rest = if more > 0 { format!(" and {more} more") } else { String::new() };
+        format!("{word}{} {}{rest}", if numbers.len() == 1 { "" } else { "s" }, numbers[..shown].join(", "))
     }
 
     /// The probabilities of the names: `joint_compliance j2 (0.93), link_compliance j3 (0.05), none of the library (0.01)`.
     pub(crate) fn names(&self) -> String {
         /// Smaller probabilities are left out.
         const LISTED: f64 = 0.01;
-        let one = |name: &str, p: f64| {
-            format!("{name} ({})", if p > 0.995 { "> 0.99".into() } else { format!("{p:.2}") })
-        };
+        let one = |name: &str, p: f64| format!("{name} ({})", probability(p));
         let mut names = vec![one(&self.name(), self.name_probability)];
         let named = |other: &&AlternativeSummary| other.probability >= LISTED && other.family != "unmodelled";
         names.extend(
@@ -226,7 +258,17 @@ impl From<&Alternative> for AlternativeSummary {
             probability: a.probability,
             behind: a.behind,
             equivalent: a.equivalent,
+            simplest: a.simplest,
         }
+    }
+}
+
+/// A probability with two digits.
+fn probability(p: f64) -> String {
+    match p {
+        p if p < 0.005 => "< 0.01".into(),
+        p if p > 0.995 => "> 0.99".into(),
+        p => format!("{p:.2}"),
     }
 }
 
@@ -235,10 +277,7 @@ fn claimed(name: &str, probability: f64, other: Option<(String, f64)>) -> String
     if probability >= 0.5 {
         return name.to_owned();
     }
-    let said = match probability {
-        p if p < 0.005 => "< 0.01".into(),
-        p => format!("{p:.2}"),
-    };
+    let said = self::probability(probability);
     match other.filter(|(_, p)| *p > probability) {
         Some((other, p)) => {
             format!("{name} (name uncertain, probability {said}; more probable: {other}, {p:.2})")

@@ -36,12 +36,18 @@ impl DiscoverySummary {
             1 => format!("{answer} 1 row is reported as an outlier."),
             rows => format!("{answer} {rows} rows are reported as outliers."),
         };
+        let (word, numbers): (_, Vec<String>) = match self.suspect_lines.len() == self.suspect_rows.len() {
+            true => ("line", self.suspect_lines.iter().take(12).map(ToString::to_string).collect()),
+            false => ("row", self.suspect_rows.iter().take(12).map(ToString::to_string).collect()),
+        };
         match self.suspect_rows.len() {
             0 => answer,
-            1 => format!("{answer} Row {} is suspect: no fit uses it.", self.suspect_rows[0]),
+            1 => format!("{answer} The row in {word} {} is suspect: no fit uses it.", numbers[0]),
             count => {
-                let rows: Vec<String> = self.suspect_rows.iter().take(12).map(ToString::to_string).collect();
-                format!("{answer} {count} rows are suspect ({}): no fit uses them.", rows.join(", "))
+                format!(
+                    "{answer} {count} rows are suspect ({word}s {}): no fit uses them.",
+                    numbers.join(", ")
+                )
             }
         }
     }

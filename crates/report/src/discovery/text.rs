@@ -65,6 +65,7 @@ impl fmt::Display for DiscoverySummary {
 impl DiscoverySummary {
     fn verdict(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "\n{}\n{}\n{}", self.adequacy(), self.answer(), self.result())?;
+        self.assumed.iter().try_for_each(|words| writeln!(f, "{words}"))?;
         if let Some(partial) = &self.partial_rows {
             writeln!(f, "{}", partial.sentence())?;
         }
@@ -73,7 +74,7 @@ impl DiscoverySummary {
         }
         writeln!(f, "{}", self.noise_floor.sentence())?;
         if let Some(specification) = &self.specification {
-            writeln!(f, "{}", specification.sentence())?;
+            write!(f, "{}", specification.text())?;
         }
         let termination = self.termination();
         if !termination.is_empty() {
@@ -167,8 +168,7 @@ impl FindingSummary {
             writeln!(f, "   and {} more coefficients", self.parameters.len() - 4)?;
         }
         if self.family == Family::Outlier.word() {
-            let rows: Vec<String> = self.rows.iter().take(12).map(ToString::to_string).collect();
-            writeln!(f, "   rows {}", rows.join(", "))?;
+            writeln!(f, "   {}", self.places(12))?;
             if !self.poses.is_empty() {
                 let poses: Vec<String> = self.poses.iter().take(6).filter_map(|rows| pose(rows)).collect();
                 writeln!(
@@ -193,9 +193,13 @@ impl FindingSummary {
         if let Some(assumption) = self.assumption() {
             writeln!(f, "   {assumption}")?;
         }
-        for other in self.alternatives.iter().take(2) {
-            let relation =
-                if other.equivalent { "not distinguishable from" } else { "competing hypothesis:" };
+        let listed = self.alternatives.iter().enumerate().filter(|(k, other)| *k < 2 || other.simplest);
+        for (_, other) in listed {
+            let relation = match (other.simplest, other.equivalent) {
+                (true, _) => "simplest that is not distinguishable:",
+                (false, true) => "not distinguishable from",
+                (false, false) => "competing hypothesis:",
+            };
             writeln!(
                 f,
                 "   {relation} {} ({} mm held out)",

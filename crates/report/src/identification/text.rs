@@ -17,6 +17,7 @@ impl fmt::Display for IdentificationSummary {
         writeln!(f, "{heading}, {}", count(self.configurations, "configuration"))?;
         write!(f, "{}", self.data_check)?;
         writeln!(f, "\n{}\n{}", self.verdict, self.limit)?;
+        self.assumed.iter().try_for_each(|words| writeln!(f, "{words}"))?;
         if let Some(partial) = &self.partial_rows {
             writeln!(f, "{}", partial.sentence())?;
         }
@@ -24,7 +25,7 @@ impl fmt::Display for IdentificationSummary {
             writeln!(f, "{}", landmarks.sentences())?;
         }
         if let Some(specification) = &self.specification {
-            writeln!(f, "{}", specification.sentence())?;
+            write!(f, "{}", specification.text())?;
         }
         if !self.converged {
             writeln!(

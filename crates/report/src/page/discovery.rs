@@ -2,12 +2,13 @@
 
 use super::rows::{Rows, complement, merged};
 use super::sheet::SheetStage;
+use super::specification::specification;
 use super::{Page, Report};
 use crate::discovery::text::WITHOUT_EXCLUDED;
 use crate::discovery::{DiscoverySummary, FindingSummary};
 use crate::figure::{Bar, escape, range, trace_figure, unit_text, waterfall};
 use crate::wording::p_text;
-use crate::{RunRecord, SpecificationSummary, count, parameter_text, significant};
+use crate::{RunRecord, count, parameter_text, significant};
 use truepose_discover::{Diagnosis, Family, HeldOut};
 use truepose_errormodel::Dataset;
 use truepose_identify::IdentifyError;
@@ -34,6 +35,7 @@ pub fn discovery_report(
         page.text(observers.sentence().trim_end());
     }
     verdict(&mut page, summary);
+    summary.assumed.iter().for_each(|words| page.text(words));
     if let Some(partial) = &summary.partial_rows {
         page.text(&partial.sentence());
     }
@@ -44,7 +46,7 @@ pub fn discovery_report(
     page.kinds(summary.kinds.as_ref());
     page.landmarks(summary.landmarks.as_ref());
     page.sessions(&summary.sessions);
-    page.space(&rows, TITLES, summary.specification.map(|s| s.limit_mm));
+    page.space(&rows, TITLES, summary.specification.as_ref().map(|s| s.judged.limit_mm));
     page.robot(found.fit.fitted.chain(), data, &rows, TITLES);
     page.joint_space(&rows, TITLES);
     if !summary.effects.is_empty() {
@@ -161,22 +163,6 @@ fn residual(page: &mut Page, summary: &DiscoverySummary) {
     }
 }
 
-/// Conformity with the specification.
-pub(super) fn specification(page: &mut Page, of: Option<&SpecificationSummary>) {
-    match of {
-        None => page
-            .note("No specification was given. With --spec 0.5mm, the held-out poses are compared with one."),
-        Some(spec) => {
-            let name = spec.verdict.name();
-            page.raw(&format!(
-                "<p><span class=\"badge {}\">{name}</span> {}</p>",
-                name.replace(' ', "_"),
-                escape(&spec.sentence())
-            ));
-        }
-    }
-}
-
 fn error_budget(page: &mut Page, summary: &DiscoverySummary) {
     let mm = |v: f64| format!("{} mm", significant(v, 3));
     let bar = |name: &str, range, class, label| Bar { name: name.into(), range, class, label };
@@ -222,10 +208,7 @@ fn finding(page: &mut Page, number: usize, effect: &FindingSummary, found: &Diag
     page.title(&format!("{number}. {}", effect.name()));
     page.text(&effect.meaning);
     if effect.family == Family::Outlier.word() {
-        let rows: Vec<String> = effect.rows.iter().take(60).map(ToString::to_string).collect();
-        let more = effect.rows.len().saturating_sub(60);
-        let rest = if more > 0 { format!(" and {more} more") } else { String::new() };
-        page.text(&format!("Rows {}{rest}; no fit uses them.", rows.join(", ")));
+        page.text(&format!("No fit uses {}.", effect.places(60)));
         return;
     }
     // Over an input that never changes there is nothing to see.

@@ -1,32 +1,44 @@
 //! The page of an identification.
 
-use super::discovery::specification;
 use super::rows::{Rows, complement, merged};
 use super::sheet::SheetStage;
+use super::specification::specification;
 use super::{Page, Report};
 use crate::figure::{Bar, bars, escape, unit_text};
 use crate::{
-    IdentificationSummary, NonlinearParameterSummary, RunRecord, SpecificationSummary, count, significant,
+    Correction, IdentificationSummary, NonlinearParameterSummary, RunRecord, SpecificationLines, count,
+    significant,
 };
 use truepose_errormodel::Dataset;
-use truepose_identify::{Identification, IdentifyError, Residuals, Stage};
+use truepose_identify::{FitOptions, Identification, IdentifyError, Residuals, Stage, uncorrected};
 
 const TITLES: [&str; 2] = ["base, tool, targets alone", "declared model"];
 
 impl IdentificationSummary {
-    /// The same, with held-out poses of `data` compared with a limit of the 3-D position error (m).
-    pub fn with_specification(mut self, limit: f64, found: &Identification, data: &Dataset) -> Self {
+    /// The same, with held-out poses of `data` compared with a limit of the 3-D position error (m); the verdict is of what will be done.
+    ///
+    /// # Errors
+    /// When the robot as it is does not fit the data.
+    pub fn with_specification(
+        mut self,
+        (limit, correction): (f64, Correction),
+        found: &Identification,
+        data: &Dataset,
+    ) -> Result<Self, IdentifyError> {
         let (rows, errors) = match (&found.test_set, &found.declared.held_out) {
             (Some(test), _) => (test.rows.clone(), &test.declared),
             (None, Some(folds)) => ((0..data.len()).collect(), &folds.residuals),
             // Residuals on the rows of the fit do not estimate the error on other rows.
-            (None, None) => return self,
+            (None, None) => return Ok(self),
         };
-        let guarded = crate::poses::largest_error_and_uncertainty_by_pose(data, &rows, errors);
-        let specification =
-            SpecificationSummary::new(limit, &crate::largest_error_by_pose(data, &rows, errors));
-        self.specification = Some(specification.with_guard_band(&guarded));
-        self
+        let worst =
+            |errors: &Residuals| crate::poses::largest_error_and_uncertainty_by_pose(data, &rows, errors);
+        let effects = found.fit.fitted.model().effects();
+        let other = uncorrected(&found.placement, effects, (data, &rows), &FitOptions::default())?;
+        let constants = other.constants.as_ref().unwrap_or(errors);
+        let cases = [&other.as_is, constants, errors].map(worst);
+        self.specification = Some(SpecificationLines::new(limit, correction, &cases, other.described));
+        Ok(self)
     }
 }
 
@@ -47,6 +59,7 @@ pub fn identification_report(
     page.section("Verdict");
     page.data_check(&summary.data_check);
     verdict(&mut page, summary);
+    summary.assumed.iter().for_each(|words| page.text(words));
     if let Some(partial) = &summary.partial_rows {
         page.text(&partial.sentence());
     }
@@ -60,7 +73,7 @@ pub fn identification_report(
     page.kinds(summary.kinds.as_ref());
     page.landmarks(summary.landmarks.as_ref());
     page.sessions(&summary.sessions);
-    page.space(&rows, TITLES, summary.specification.map(|s| s.limit_mm));
+    page.space(&rows, TITLES, summary.specification.as_ref().map(|s| s.judged.limit_mm));
     page.robot(&found.placement.chain, data, &rows, TITLES);
     page.joint_space(&rows, TITLES);
     page.section("Residuals");

@@ -16,6 +16,7 @@ mod robot;
 mod rows;
 mod sheet;
 mod space;
+mod specification;
 
 pub use acceptance::acceptance_report;
 pub use commands::{CommandView, CommandsView, commands_report};

@@ -13,12 +13,11 @@ impl Page {
             return;
         }
         self.note(&summary.note());
-        self.table(
-            "Zero offsets of the joints, to be added to the reading of each; valid together with the parameters above",
-            &ParametersSummary::OFFSETS,
-            &summary.offsets(),
-            true,
-        );
+        self.table(ParametersSummary::OF_OFFSETS, &ParametersSummary::OFFSETS, &summary.offsets(), true);
+        self.note(summary.of_offsets());
+        if !summary.zero_offsets_apart.is_empty() {
+            self.table(ParametersSummary::OF_APART, &ParametersSummary::APART, &summary.apart(), true);
+        }
         self.table(
             "Parameters in the convention and the units of the robot file, with 95 % confidence intervals",
             &ParametersSummary::HEAD,

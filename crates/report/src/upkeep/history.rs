@@ -2,14 +2,16 @@
 
 use super::MonitorSummary;
 use crate::figure::{Plot, escape};
-use crate::page::Page;
-use crate::{count, significant};
+use crate::page::{Page, Report};
+use crate::{RunRecord, count, significant};
 
 /// A look as the page shows it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LookView {
     /// Name of the file of measurements.
     pub data: String,
+    /// When it was measured, year-month-day.
+    pub date: Option<String>,
     /// Pose measurements.
     pub poses: usize,
     /// RMS of the residual, mm.
@@ -32,16 +34,62 @@ const SMALLEST: f64 = 12.0;
 /// The page: the last look, whose summary is given, and all looks in order.
 pub fn history_page(last: &MonitorSummary, looks: &[LookView]) -> String {
     let mut page = Page::new(&format!("{}: looks since the calibration", last.robot));
+    fill(&mut page, last, looks);
+    page.finish().html
+}
+
+/// The report of a look, with the head of the certificate, and all looks in order.
+pub fn monitor_report(last: &MonitorSummary, looks: &[LookView], run: &RunRecord) -> Report {
+    let mut page = Page::new(&format!("{}: whether it has changed", last.robot));
+    let poses = format!("{} ({})", last.poses, count(last.rows, "row"));
+    let date = last.date.clone().map(|date| ("measured", date));
+    let facts: Vec<_> = date.into_iter().chain([("pose measurements", poses)]).collect();
+    page.head(run, &facts);
+    fill(&mut page, last, looks);
+    page.section("Files");
+    page.reproduction(run);
+    page.finish()
+}
+
+/// Where each look is on an axis, and the axis: days since the first one where all have a date, else their numbers.
+fn axis(looks: &[LookView]) -> (Vec<f64>, String) {
+    let dates: Option<Vec<f64>> = looks.iter().map(|look| day(look.date.as_deref()?)).collect();
+    match dates.filter(|days| days.iter().any(|day| *day > days[0])) {
+        Some(days) => {
+            let first = looks[0].date.as_deref().unwrap_or_default();
+            (days.iter().map(|day| day - days[0]).collect(), format!("days since {first}"))
+        }
+        None => ((1..=looks.len()).map(|k| k as f64).collect(), "look".into()),
+    }
+}
+
+/// Days of a date, year-month-day, since one that is long past.
+fn day(date: &str) -> Option<f64> {
+    let mut parts = date.split('-').map(|part| part.parse::<i64>().ok());
+    let (year, month, day) = (parts.next()??, parts.next()??, parts.next()??);
+    // Years that begin in March have their leap day at the end.
+    let (year, month) = if month > 2 { (year, month - 3) } else { (year - 1, month + 9) };
+    Some((365 * year + year / 4 - year / 100 + year / 400 + (153 * month + 2) / 5 + day) as f64)
+}
+
+fn fill(page: &mut Page, last: &MonitorSummary, looks: &[LookView]) {
     page.section("Verdict");
     page.raw(&format!("<p class=\"verdict\">{}</p>", escape(&last.verdict())));
+    if let Some(specification) = &last.specification {
+        page.text(&specification.sentence());
+    }
     page.text(&since(looks));
     page.section("History");
     let most = looks.iter().map(|look| look.rms_mm.max(look.expected_rms_mm)).fold(1e-6, f64::max);
-    let across = [0.5, looks.len() as f64 + 0.5];
+    let (at, along) = axis(looks);
+    let ends =
+        at.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], &v| [low.min(v), high.max(v)]);
+    let margin = 0.5f64.max(0.05 * (ends[1] - ends[0]));
+    let across = [ends[0] - margin, ends[1] + margin];
     let plot =
-        |title: &str, top: f64, up: &str| Plot::new(560.0, 260.0, across, [0.0, top]).axes(title, "look", up);
+        |title: &str, top: f64, up: &str| Plot::new(560.0, 260.0, across, [0.0, top]).axes(title, &along, up);
     let each = |of: fn(&LookView) -> f64| -> Vec<(f64, f64)> {
-        looks.iter().enumerate().map(|(k, look)| (k as f64 + 1.0, of(look))).collect()
+        at.iter().zip(looks).map(|(&at, look)| (at, of(look))).collect()
     };
     let alarms = |of: fn(&LookView) -> f64, alarm: bool| -> Vec<(f64, f64)> {
         each(of).into_iter().zip(looks).filter(|(_, look)| look.changed == alarm).map(|(at, _)| at).collect()
@@ -51,7 +99,7 @@ pub fn history_page(last: &MonitorSummary, looks: &[LookView]) -> String {
     left.dots("after strong", alarms(|look| look.rms_mm, false).into_iter());
     left.dots("before strong", alarms(|look| look.rms_mm, true).into_iter());
     figure(
-        &mut page,
+        page,
         &left.finish("Residual of each look, and that of an unchanged robot"),
         "Residual of each look (dots; orange: the robot had changed), and what an unchanged robot has (dashed).",
     );
@@ -64,10 +112,11 @@ pub fn history_page(last: &MonitorSummary, looks: &[LookView]) -> String {
         "Evidence of each look, and the level that it has to exceed (dashed). The level rises from look to look: an unchanged robot ever exceeds it with a probability of {} % at most, however often it is looked at. What is smaller than 1e-{SMALLEST} is drawn there.",
         significant(100.0 * last.alpha, 2)
     );
-    figure(&mut page, &right.finish("Evidence of each look, and the level that it has to exceed"), &text);
+    figure(page, &right.finish("Evidence of each look, and the level that it has to exceed"), &text);
     let row = |(k, look): (usize, &LookView)| {
         vec![
             k.to_string(),
+            look.date.clone().unwrap_or_else(|| "–".into()),
             look.data.clone(),
             look.poses.to_string(),
             significant(look.rms_mm, 3),
@@ -79,12 +128,12 @@ pub fn history_page(last: &MonitorSummary, looks: &[LookView]) -> String {
         ]
     };
     let rows: Vec<Vec<String>> = (1..).zip(looks).map(row).collect();
-    let head = ["look", "data", "poses", "RMS, mm", "unchanged, mm", "p", "level", "verdict", "most likely"];
+    let head =
+        ["look", "date", "data", "poses", "RMS, mm", "unchanged, mm", "p", "level", "verdict", "most likely"];
     page.table("All looks, the first one first", &head, &rows, false);
     page.section("Last look");
     let told = last.to_string();
     page.raw(&format!("<pre tabindex=\"0\">{}</pre>", escape(told.trim())));
-    page.finish().html
 }
 
 /// How many looks there were, and since when the robot has been another one.
@@ -97,8 +146,9 @@ fn since(looks: &[LookView]) -> String {
     let suspect =
         looks[first].suspect.as_deref().map_or(String::new(), |what| format!("; most likely {what}"));
     format!(
-        "{all} since the calibration; {alarms} found a change, for the first time look {} ({}{suspect}).",
+        "{all} since the calibration; {alarms} found a change, for the first time look {} ({}{}{suspect}).",
         first + 1,
+        looks[first].date.as_ref().map_or_else(String::new, |date| format!("{date}, ")),
         looks[first].data
     )
 }
@@ -122,6 +172,7 @@ mod tests {
 
     fn look(p_value: f64, changed: bool) -> LookView {
         LookView {
+            date: None,
             data: "<monday>.csv".into(),
             poses: 12,
             rms_mm: 0.05,
@@ -136,6 +187,8 @@ mod tests {
     #[test]
     fn a_page_tells_since_when_and_shows_every_look() {
         let last = MonitorSummary {
+            date: None,
+            specification: None,
             robot: "R".into(),
             look: 3,
             rows: 36,

@@ -6,7 +6,7 @@ mod monitor;
 mod transfer;
 
 pub use fleet::{FleetCoefficient, FleetSummary, SisterSummary};
-pub use history::{LookView, history_page};
+pub use history::{LookView, history_page, monitor_report};
 pub use monitor::{ChangeSummary, DetectableSummary, MonitorSummary};
 pub use transfer::{AdvisedSummary, ArmFitsSummary, BandSummary, InstallationSummary, TransferSummary};
 

@@ -2,9 +2,11 @@
 
 use super::{quantity, size};
 use crate::wording::p_text;
-use crate::{millimetres, significant, value_with_interval};
+use crate::{Correction, SpecificationSummary, millimetres, significant, value_with_interval};
 use serde::Serialize;
 use std::fmt;
+use truepose_errormodel::Dataset;
+use truepose_identify::Residuals;
 use truepose_upkeep::{Change, Coefficient, Detectable, Look, Part};
 
 /// Changes that are shown when there is an alarm, and detectable changes that are always shown.
@@ -110,6 +112,12 @@ pub struct MonitorSummary {
     pub detectable: Vec<DetectableSummary>,
     /// Suspects that these poses cannot show.
     pub invisible: Vec<String>,
+    /// When the robot was measured, year-month-day, where it is stated.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub date: Option<String>,
+    /// Measured poses against a specification, each as the fit predicts it; where one was given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub specification: Option<SpecificationSummary>,
 }
 
 impl MonitorSummary {
@@ -146,7 +154,20 @@ impl MonitorSummary {
             changes: seen.changes.iter().enumerate().map(change).collect(),
             detectable: seen.detectable.iter().map(detectable).collect(),
             invisible: seen.invisible.clone(),
+            date: None,
+            specification: None,
         }
+    }
+
+    /// The same, with the measured poses compared with a limit of the distance to where the fit predicts them, m.
+    #[must_use]
+    pub fn with_specification(self, limit: f64, data: &Dataset, errors: &Residuals) -> Self {
+        let rows: Vec<usize> = (0..data.len()).collect();
+        let worst = crate::poses::largest_error_and_uncertainty_by_pose(data, &rows, errors);
+        let alone: Vec<f64> = worst.iter().map(|pose| pose.0).collect();
+        let of = SpecificationSummary::new(limit, &alone).with_guard_band(&worst);
+        let specification = Some(SpecificationSummary { correction: Correction::Commands, ..of });
+        MonitorSummary { specification, ..self }
     }
 
     /// The verdict in one sentence.
@@ -176,6 +197,9 @@ impl fmt::Display for MonitorSummary {
             millimetres(1e-3 * self.rms_mm),
             millimetres(1e-3 * self.expected_rms_mm)
         )?;
+        if let Some(specification) = &self.specification {
+            writeln!(f, "{}", specification.sentence())?;
+        }
         if !self.found.is_empty() {
             writeln!(f, "Found anew from these data: {}.", self.found.join(", "))?;
         }

@@ -3,11 +3,12 @@
 use super::super::mapping::ColumnMap;
 use super::super::names::Names;
 use super::super::sampled::Sample;
-use super::loads::carried;
+use super::loads::{carried, wrench};
 use super::places::capitals;
+use super::quoted;
 
 /// The names of the user with those that are given unasked, and what there is to say about each: `X Y Z` with units of length, and the only column
-/// with a unit of mass.
+/// with a unit of mass. The columns of a wrench are left out: they would be read as channels.
 pub(in super::super) fn applied(
     headers: &[&str],
     sample: &Sample,
@@ -24,6 +25,21 @@ pub(in super::super) fn applied(
         own.names.push(("payload".into(), mass.into()));
         said.push(format!(
             "`{mass}` is read as payload: it is the only mass (if it is none: `--ignore`, or `--map NAME=` another name)"
+        ));
+    }
+    let wrench = wrench(headers, sample, &Names { chain: names.chain, map: &own });
+    if !wrench.is_empty() {
+        let theirs: Vec<String> = wrench.iter().map(|(_, k)| format!("`{}`", headers[*k])).collect();
+        let map: Vec<String> = wrench
+            .iter()
+            .map(|(ours, k)| format!("--map {}", quoted(&format!("{ours}={}", headers[*k]))))
+            .collect();
+        own.ignore.extend(wrench.iter().map(|(_, k)| headers[*k].to_owned()));
+        said.push(format!(
+            "{} are a wrench by their names and are not read: a load is no channel. If the load exerts it at the tool's origin, in the tool's \
+             axes: {}",
+            theirs.join(", "),
+            map.join(" ")
         ));
     }
     (own, said)

@@ -68,6 +68,34 @@ pub(super) fn propose(seen: &mut [Seen<'_>], all: &mut Proposal) {
     }
 }
 
+/// The columns of a measured wrench, `fx fy fz` or `tx ty tz` or both, as names of ours and columns of the file, where nothing of the file has that
+/// meaning: three components of a force or of a moment at least, by their units or their names.
+pub(super) fn wrench(headers: &[&str], sample: &Sample, names: &Names<'_>) -> Vec<(String, usize)> {
+    let seen = see(headers, sample, names);
+    if seen.iter().any(|column| matches!(column.role, Some(Role::Force(_) | Role::Moment(_)))) {
+        return Vec::new();
+    }
+    let triple = |ours: &str, quantity: Quantity, letters: &[&str], long: &[&str]| -> Vec<(String, usize)> {
+        let of_axis = |axis: &str| {
+            let fits = |column: &Seen<'_>| {
+                let short = letters.iter().any(|letter| column.has(&[&format!("{letter}{axis}")]));
+                let called = short || (column.has(long) && column.has(&[axis]));
+                column.free && called && column.measure().is_some_and(|unit| unit.quantity == quantity)
+            };
+            let mut these = (0..seen.len()).filter(|&k| fits(&seen[k]));
+            these.next().filter(|_| these.next().is_none())
+        };
+        match ["x", "y", "z"].map(|axis| of_axis(axis).map(|k| (format!("{ours}{axis}"), k))) {
+            [Some(x), Some(y), Some(z)] => vec![x, y, z],
+            _ => Vec::new(),
+        }
+    };
+    let mut all = triple("f", Quantity::Force, &["f"], &["force", "kraft", "forza", "fuerza"]);
+    let long = ["moment", "torque", "drehmoment", "momento", "coppia", "couple"];
+    all.extend(triple("t", Quantity::Moment, &["m", "t"], &long));
+    all
+}
+
 /// Whether it is a payload or part of a wrench.
 fn is_load(column: &Seen<'_>) -> bool {
     matches!(column.role, Some(Role::PayloadMass | Role::Force(_) | Role::Moment(_)))
