@@ -74,6 +74,14 @@ impl Equilibrium {
         }
     }
 
+    /// The same, [`Equilibrium::soft`] where the robot is in some of these rows with these coefficients.
+    ///
+    /// # Errors
+    /// When the data lacks a signal that the model needs.
+    pub fn of_rows(model: &ErrorModel, data: &Dataset, coefficients: &[f64]) -> Result<Self, ModelError> {
+        Ok(Equilibrium::new(model).soft(Equilibrium::is_soft(model, data, coefficients)?))
+    }
+
     /// Φ where the robot comes to rest.
     pub fn emission(&self) -> &Emission {
         &self.emission
@@ -188,6 +196,21 @@ impl Equilibrium {
     pub fn soft(mut self, soft: bool) -> Self {
         self.soft = soft;
         self
+    }
+
+    /// J_e, rows × sites, with the weights following each error under these conditions, those of the last [`Equilibrium::settle`]: J_e (I − G)⁻¹.
+    pub fn followed(
+        &self,
+        bound: &BoundModel<'_>,
+        conditions: &Conditions,
+        coefficients: &[f64],
+        mut jacobian: DMatrix<f64>,
+    ) -> DMatrix<f64> {
+        if let Some(slope) = self.slope(bound, conditions, coefficients) {
+            let followed = jacobian.columns(0, slope.nrows()) * &slope;
+            jacobian.columns_mut(0, slope.nrows()).copy_from(&followed);
+        }
+        jacobian
     }
 
     /// (I − G)⁻¹ over the sites of frames, sites × sites, in the order of [`Chain::site_index`], under the conditions of the last

@@ -232,7 +232,7 @@ fn a_soft_arm_is_fitted_to_the_noise() {
     let groups = found["groups"].as_array().unwrap();
     for name in ["shoulder", "elbow"] {
         let of = |group: &&serde_json::Value| {
-            group["name"].as_str().unwrap().starts_with(&format!("compliance {name}"))
+            group["words"].as_str().unwrap().starts_with(&format!("compliance {name}"))
         };
         let group = groups.iter().find(of).unwrap();
         assert!((group["value"].as_f64().unwrap() * 6.0 - 1.0).abs() < 0.01, "{group:#}");

@@ -99,8 +99,7 @@ impl<'a> Linearisation<'a> {
             kept: Kept::new(),
         };
         let (mut flat, mut y) = (Vec::new(), Vec::new());
-        let soft = Equilibrium::is_soft(model, &inputs, fit.fitted.coefficients())?;
-        let mut rest = Equilibrium::new(model).soft(soft);
+        let mut rest = Equilibrium::of_rows(model, &inputs, fit.fitted.coefficients())?;
         for (visit, rows) in visits.rows.iter().enumerate() {
             for &row in rows {
                 let seen = data.seen(row);
@@ -140,13 +139,10 @@ impl<'a> Linearisation<'a> {
                 }
                 let (real, errors) = (rest.real(), rest.errors());
                 let jacobian = ErrorJacobian::new(chain, real, errors, data.aim(row));
-                let mut matrix = jacobian.matrix(chain);
-                let station = linearisation.stations.last().map(|station| &station.conditions);
-                let slope = station.and_then(|at| rest.slope(&bound, at, fit.fitted.coefficients()));
-                if let Some(slope) = slope {
-                    let followed = matrix.columns(0, slope.nrows()) * &slope;
-                    matrix.columns_mut(0, slope.nrows()).copy_from(&followed);
-                }
+                let Some(at) = linearisation.stations.last().map(|station| &station.conditions) else {
+                    continue;
+                };
+                let matrix = rest.followed(&bound, at, fit.fitted.coefficients(), jacobian.matrix(chain));
                 let difference = data.measured_position(row) - jacobian.point();
                 let ray = data.ray(row);
                 let along = ray.map(|w| w.transpose() * matrix.fixed_rows::<3>(0));

@@ -78,7 +78,7 @@ impl<'a> Lineariser<'a> {
             robot: None,
             stations: None,
             conditions: Conditions::default(),
-            rest: Equilibrium::new(model).soft(Equilibrium::is_soft(model, data, coefficients)?),
+            rest: Equilibrium::of_rows(model, data, coefficients)?,
             settled: None,
             slope: None,
             beside: Emission::new(),
@@ -107,8 +107,8 @@ impl<'a> Lineariser<'a> {
     /// When the data lacks a signal that the other model needs.
     pub fn beside(self, model: &'a ErrorModel, coefficients: &'a [f64]) -> Result<Self, IdentifyError> {
         let robot = Some((model.bind(&self.data.schema)?, coefficients));
-        let soft = Equilibrium::is_soft(model, self.data, coefficients)?;
-        Ok(Lineariser { robot, rest: Equilibrium::new(model).soft(soft), ..self })
+        let rest = Equilibrium::of_rows(model, self.data, coefficients)?;
+        Ok(Lineariser { robot, rest, ..self })
     }
 
     /// Takes the columns where a robot came to rest before, row by row; residuals are zero.
