@@ -254,6 +254,15 @@ mod tests {
     }
 
     #[test]
+    fn a_leaf_behind_no_moving_joint_is_no_tip() {
+        let stand = "<link name=\"stand\"/><joint name=\"s\" type=\"fixed\"><parent link=\"base\"/><child link=\"stand\"/></joint>";
+        let (chain, _) = read(&arm(stand), None, None).unwrap();
+        assert_eq!(chain.joints().len(), 4);
+        let none = read("<robot name=\"a\"></robot>", None, None).unwrap_err();
+        assert_eq!(none, "a.urdf:1:1: the robot has no links");
+    }
+
+    #[test]
     fn a_branch_beside_the_path_is_told() {
         let text = arm(FINGER);
         assert_eq!(

@@ -59,6 +59,7 @@ pub(super) fn path_between<'a>(
             let roots: Vec<&str> = links().filter(|link| !above.contains_key(link)).collect();
             match roots[..] {
                 [root] => root,
+                [] if declared.is_empty() => return Err(NoPath::new("the robot has no links")),
                 [] => return Err(NoPath::new("the links form a ring; choose a base link")),
                 _ => {
                     let roots = listed(roots.iter().copied());
@@ -94,6 +95,11 @@ fn only_leaf<'a>(
         .filter(|link| !parents.contains(link))
         .filter(|link| *link != base && climb(above, base, link).is_some())
         .collect();
+    let moves =
+        |leaf: &&&str| climb(above, base, leaf).is_some_and(|way| way.iter().any(|of| of.kind != "fixed"));
+    let moving: Vec<&str> = leaves.iter().filter(moves).copied().collect();
+    // Behind no moving joint nothing is a tip.
+    let leaves = if moving.is_empty() { leaves } else { moving };
     match leaves[..] {
         [leaf] => Ok(leaf),
         [] => Err(NoPath::new(format!("no joint leads away from the base link `{base}`"))),

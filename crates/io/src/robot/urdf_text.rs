@@ -3,6 +3,7 @@
 use crate::IoError;
 use crate::text::Text;
 use roxmltree::{Attribute, Document, Node, ParsingOptions};
+use std::borrow::Cow;
 use std::ops::Range;
 use truepose_kinematics::Pose;
 use truepose_kinematics::nalgebra::{Quaternion, UnitQuaternion};
@@ -77,8 +78,8 @@ impl Urdf {
         if text.text.trim().is_empty() {
             return Err(IoError::file(&text.file, "is empty; a URDF begins with <robot name=\"…\">"));
         }
-        let options = ParsingOptions { nodes_limit: MOST_NODES, ..ParsingOptions::default() };
-        let document = Document::parse_with_options(&text.text, options).map_err(|error| {
+        let bound = bound(&text.text);
+        let document = parsed(&bound).map_err(|error| {
             let (line, column) = (u64::from(error.pos().row), u64::from(error.pos().col));
             let message = match error {
                 roxmltree::Error::DtdDetected => {
@@ -104,6 +105,16 @@ impl Urdf {
             return Err(reader.error(root, message));
         }
         reader.depth(root)?;
+        // A property whose value nobody uses any more is harmless.
+        let left = root.descendants().find_map(|node| {
+            let (name, space) = (node.tag_name().name(), node.tag_name().namespace());
+            let own =
+                name.strip_prefix("xacro_").or(space.filter(|at| at.contains("xacro")).map(|_| name))?;
+            (!["property", "arg"].contains(&own)).then_some((node, own))
+        });
+        if let Some((node, name)) = left {
+            return Err(reader.error(node, format!("<xacro:{name}> is left; {EXPAND}")));
+        }
         let named = |element: &'static str| {
             root.children().filter(move |node| node.is_element() && node.tag_name().name() == element)
         };
@@ -120,6 +131,34 @@ impl Urdf {
     pub(super) fn joint_at(&self, name: &str) -> usize {
         self.joints.iter().find(|joint| joint.name == name).map_or(self.at, |joint| joint.at)
     }
+}
+
+fn parsed(text: &str) -> Result<Document<'_>, roxmltree::Error> {
+    let options = ParsingOptions { nodes_limit: MOST_NODES, ..ParsingOptions::default() };
+    Document::parse_with_options(text, options)
+}
+
+/// What to do with a description that is no URDF yet.
+const EXPAND: &str = "expand the file first, as in `xacro arm.urdf.xacro > arm.urdf`";
+
+/// The text with prefixes that no namespace is declared for as parts of names, as parsers that know no namespaces read it: every byte stays
+/// where it was.
+fn bound(text: &str) -> Cow<'_, str> {
+    /// Prefixes at most.
+    const MOST: usize = 32;
+    let mut bound = Cow::Borrowed(text);
+    for _ in 0..MOST {
+        let prefix = match parsed(&bound) {
+            Err(roxmltree::Error::UnknownNamespace(prefix, _)) => prefix,
+            _ => break,
+        };
+        let mut next = bound.into_owned();
+        for before in ["<", "</", " ", "\t", "\n"] {
+            next = next.replace(&format!("{before}{prefix}:"), &format!("{before}{prefix}_"));
+        }
+        bound = Cow::Owned(next);
+    }
+    bound
 }
 
 /// Version of the format, 1.0 where none is declared.
@@ -271,7 +310,9 @@ impl Reader<'_> {
         let numbers: Result<Vec<f64>, _> = words.iter().map(|word| word.parse()).collect();
         numbers.ok().and_then(|numbers| numbers.try_into().ok()).ok_or_else(|| {
             let wanted = if N == 1 { "a number".into() } else { format!("{N} numbers") };
-            let message = format!("`{}=\"{}\"` is not {wanted}", attribute.name(), attribute.value());
+            let xacro = attribute.value().contains("${") || attribute.value().contains("$(");
+            let hint = if xacro { format!(": a xacro expression is left; {EXPAND}") } else { String::new() };
+            let message = format!("`{}=\"{}\"` is not {wanted}{hint}", attribute.name(), attribute.value());
             self.text.error(attribute.range_value().start, message)
         })
     }
@@ -309,12 +350,30 @@ mod tests {
     }
 
     #[test]
+    fn prefixes_without_a_namespace_are_parts_of_names() {
+        let text = "<robot name='a'>\n<link name='l'/><gazebo><sensor:camera a:b='1' name='c:d'/></gazebo>\n<joint name='j' type='fixed'><parent link='l'/><child link='l'/><origin xyz='1 2 3'/></joint></robot>";
+        let urdf = read(text).unwrap();
+        let written = urdf.joints[0].written.as_ref().unwrap().xyz.clone().unwrap();
+        assert_eq!(&text[written], "1 2 3");
+        assert!(read("<robot><x:property name='l' value='2'/><link name='l'/></robot>").is_ok());
+    }
+
+    #[test]
     fn errors_have_places() {
         let deep = |n: usize| format!("<robot>{}{}</robot>", "<a>".repeat(n), "</a>".repeat(n));
         assert!(read(&deep(DEEPEST - 1)).is_ok());
         assert!(read(&deep(100_000)).unwrap_err().contains("nest more than 200 deep"));
         for (text, message) in [
             ("<robot>\n <link/></robot>", "a.urdf:2:2: <link> has no `name`"),
+            (
+                "<robot xmlns:xacro='http://www.ros.org/wiki/xacro'>\n <xacro:arm side='l'/></robot>",
+                "a.urdf:2:2: <xacro:arm> is left; expand the file first",
+            ),
+            ("<robot>\n <xacro:include filename='a'/></robot>", "a.urdf:2:2: <xacro:include> is left"),
+            (
+                "<robot><joint name='j' type='fixed'><origin xyz='0 0 ${l}'/></joint></robot>",
+                "a.urdf:1:50: `xyz=\"0 0 ${l}\"` is not 3 numbers: a xacro expression is left; expand",
+            ),
             ("<robot", "a.urdf:1:1: is not a valid URDF: "),
             ("<!DOCTYPE x><robot/>", "a.urdf:1:1: document type declarations are not read"),
             (
