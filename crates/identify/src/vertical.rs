@@ -27,7 +27,7 @@ pub struct Vertical {
     pub frame: GravityFrame,
     /// Held-out RMS of a position with yielding joints, m: gravity in the measurement frame, in the base.
     pub rms: [f64; 2],
-    /// Whether these tell the two apart.
+    /// Whether these distinguish the two.
     pub clear: bool,
 }
 

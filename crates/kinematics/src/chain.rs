@@ -271,31 +271,6 @@ impl Chain {
         described.moves().then_some(JointMotion { joint, kind: described.kind, frame, axis })
     }
 
-    /// A length typical of the arm, m: the sum of the nominal distances between neighbouring frames, travels of slides included; of a
-    /// tree its longest branch. Angles times this length compare with lengths.
-    pub fn characteristic_length(&self) -> f64 {
-        let longest = (0..self.tools.len()).map(|k| self.length_to(ToolId(k))).fold(0.0, f64::max);
-        if longest > 1e-6 { longest } else { 1.0 }
-    }
-
-    fn length_to(&self, tool: ToolId) -> f64 {
-        let mut length = self.tools[tool.0].placed.pose.translation.norm();
-        for (index, joint) in self.joints.iter().enumerate() {
-            if !self.carries(FrameId(index + 1), tool) {
-                continue;
-            }
-            length += joint.transform(0.0).translation.norm();
-            if joint.kind == JointKind::Prismatic
-                && let Some((lower, upper)) = joint.limits
-                && (upper - lower).is_finite()
-            {
-                length += upper - lower;
-            }
-        }
-        let carried = self.targets.iter().filter(|target| target.tool == tool);
-        length + carried.map(|t| t.position.norm()).fold(0.0, f64::max)
-    }
-
     /// Gravity in the axes of the measurement frame, m/s².
     pub fn gravity_in_measurement_frame(&self) -> Vector3<f64> {
         match self.gravity.frame {

@@ -10,6 +10,7 @@ mod ids;
 mod jacobian;
 mod joint;
 pub mod lanes;
+mod length;
 mod link;
 mod load;
 mod mimics;

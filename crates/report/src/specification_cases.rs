@@ -98,6 +98,10 @@ impl SpecificationCase {
             format!("; 95 % of all poses within {} mm, with 95 % confidence", significant(mm, 3))
         });
         let poses = count(self.poses, "held-out pose");
-        format!("{} of {poses} inside, {} mm RMS{within}", self.inside, significant(self.rms_mm, 3))
+        format!(
+            "{} of {poses} inside, RMS of each pose's largest error {} mm{within}",
+            self.inside,
+            significant(self.rms_mm, 3)
+        )
     }
 }

@@ -238,3 +238,31 @@ fn a_soft_arm_is_fitted_to_the_noise() {
         assert!((group["value"].as_f64().unwrap() * 6.0 - 1.0).abs() < 0.01, "{group:#}");
     }
 }
+
+/// A tool by touching one fixed tip from several postures (the controllers' four-point method): the arm is as described, and so its lengths are known.
+#[test]
+fn a_tool_is_found_from_one_tip_where_the_arm_is_frozen() {
+    let folder = Folder::empty();
+    folder.write(
+        "robot.toml",
+        &robot("[[landmarks]]\nname = \"tip\"\n").replacen("[tool]", "[tool]\nknown = false", 1),
+    );
+    folder.write("tool.toml", "[[effects]]\nfamily = \"geometric\"\nframes = [\"tool\"]\n");
+    let plant = "robot = \"robot.toml\"\nseed = 5\n\n[[errors.displacement]]\nframe = \"tool\"\nxyz_mm = [12, -7, 30]\n\n[campaign]\nvisits = 0\n\n[[landmarks]]\nname = \"tip\"\nrows = 8\nxyz_mm = [450, 200, 250]\nsd_um = 20\n";
+    folder.write("plant.toml", plant);
+    folder.run(&["simulate", "--plant", "plant.toml", "--out", "data.csv"]).ended(0);
+    let words = ["identify", "--robot", "robot.toml", "--data", "data.csv", "--json", "--out", "fit.json"];
+    let all = folder.run(&words).ended(2).log;
+    assert!(all.contains("the scale is not determined"), "{all}");
+    let run = folder.run(&[&words[..], &["--model", "tool.toml"]].concat()).ended(0);
+    let found: serde_json::Value = serde_json::from_str(&run.out).unwrap();
+    let groups = found["groups"].as_array().unwrap();
+    for (axis, true_mm) in [("x", 12.0), ("y", -7.0), ("z", 30.0)] {
+        let of = |group: &&serde_json::Value| {
+            group["words"].as_str().unwrap().starts_with(&format!("{axis}@tool"))
+        };
+        let group = groups.iter().find(of).unwrap_or_else(|| panic!("{groups:#?}"));
+        let off = (1e3 * group["value"].as_f64().unwrap() - true_mm).abs();
+        assert!(off < 0.1, "{group:#}");
+    }
+}

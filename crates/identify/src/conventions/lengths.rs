@@ -13,7 +13,7 @@
 //! The equation is linear in base and targets only to first order: what it proposes is placed anew, corrected once, and judged by
 //! what it leaves.
 
-use super::misread::{GAIN, GOOD, Misread, Misreading, better};
+use super::misread::{Misread, Misreading, better, explains};
 use super::placed::{flanges, left, placed};
 use super::variants::undone;
 use nalgebra::{DMatrix, DVector, Vector3};
@@ -43,7 +43,7 @@ pub(super) fn misread(chain: &Chain, rows: &Dataset, before: f64) -> Option<Misr
             change += more;
         }
         let Some(after) = with(change).and_then(|other| left(&other, rows)) else { continue };
-        if after < GAIN * before && after < GOOD * chain.characteristic_length() {
+        if explains(before, after, chain.characteristic_length()) {
             let what = Misreading::Length { joint, parameter, change };
             better(&mut best, Misread { what, before, after });
         }

@@ -1,11 +1,18 @@
 //! What may have been misread, and when that is said.
 
+use crate::suspicion::decisive;
+
 /// Below this share of the arm's length nothing is wrong with conventions; as for suspected mistakes of tables.
 pub(super) const NEGLIGIBLE: f64 = 2e-3;
 /// Undone, a mistake leaves no more than this share of what it left.
 pub(super) const GAIN: f64 = 0.2;
 /// Undone, a mistake leaves a robot that is worth a calibration: no more than this share of the arm's length.
 pub(super) const GOOD: f64 = 5.0 * NEGLIGIBLE;
+/// Whether a mistake, undone, explains what the description leaves (m), of an arm of this length.
+pub(super) fn explains(before: f64, after: f64, length: f64) -> bool {
+    (after < GAIN * before && after < GOOD * length) || decisive(before, after, length)
+}
+
 /// Orientations that the nominal robot leaves with this RMS are those of a robot that is worth a calibration, rad.
 pub(super) const TURNED: f64 = 0.02;
 

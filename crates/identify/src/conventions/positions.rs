@@ -4,7 +4,7 @@
 //! that look better than the description as it is are placed exactly and judged.
 
 use super::lengths;
-use super::misread::{GAIN, GOOD, Misread, Misreading, better};
+use super::misread::{Misread, Misreading, better, explains};
 use super::placed::{flanges, left, some};
 use super::variants;
 use crate::suspicion::registration::{self, Offset, Point};
@@ -36,7 +36,7 @@ pub(super) fn misread(chain: &Chain, data: &Dataset) -> Option<Misread> {
         let (chain, rows) = with(&what, chain, &rows);
         let Some(after) = left(&chain, &rows) else { continue };
         // Undone, the mistake leaves a robot that is worth a calibration.
-        if after < GAIN * before && after < GOOD * chain.characteristic_length() {
+        if explains(before, after, chain.characteristic_length()) {
             better(&mut best, Misread { what, before, after });
         }
     }

@@ -1,6 +1,6 @@
 //! A tool that is declared as known, and is not there.
 
-use super::misread::{GAIN, GOOD, Misread, Misreading, NEGLIGIBLE, better};
+use super::misread::{GAIN, Misread, Misreading, NEGLIGIBLE, better, explains};
 use super::placed::{flanges, some};
 use crate::suspicion::registration::{self, Offset, Point};
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -37,7 +37,7 @@ pub(super) fn misread(chain: &Chain, data: &Dataset, fitted: f64) -> Option<Misr
     let mut best = None;
     for (what, other) in readings(&tool) {
         let after = with(&other);
-        if after < GAIN * before && after < GOOD * length {
+        if explains(before, after, length) {
             better(&mut best, Misread { what, before, after });
         }
     }

@@ -22,6 +22,8 @@ pub(super) struct Gauge<'a> {
     pub kept: Vec<&'a KnownDistance>,
     /// Whether points were touched again and again.
     pub touched: bool,
+    /// Whether no effect changes the arm itself: its lengths are known then.
+    pub frozen: bool,
     /// What measured numbers.
     pub sensors: &'a Sensors,
 }
@@ -35,7 +37,7 @@ impl Gauge<'_> {
     /// Whether some row says how long anything is.
     pub fn has_scale(&self) -> bool {
         let metric = self.sensors.found.iter().any(|found| found.observation.metric());
-        self.outside || self.distances || metric || self.planes_apart()
+        self.frozen || self.outside || self.distances || metric || self.planes_apart()
     }
 
     /// Whether planes of known place do not all meet in one point: a robot that shrinks into such a point would stay on all of them.
@@ -73,7 +75,7 @@ impl Gauge<'_> {
     /// ```
     fn scale_by_distances(&self) -> Option<[f64; 2]> {
         let metric = self.sensors.found.iter().any(|found| found.observation.metric());
-        let others = self.outside || metric || self.planes_apart();
+        let others = self.frozen || self.outside || metric || self.planes_apart();
         let stated = &self.kept;
         let known = !others && stated.iter().all(|of| of.sd > 0.0 && of.value > 0.0);
         let sum: f64 = stated.iter().map(|of| (of.value / of.sd).powi(2)).sum();

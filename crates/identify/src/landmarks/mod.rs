@@ -112,12 +112,13 @@ pub fn touched(
     data.validate(chain)?;
     let contacts = contacts::contacts(chain, data)?;
     let whole = (chain, data, surroundings);
-    let mut prepared = Prepared::of(whole, &contacts, &BTreeSet::new())?;
+    let frozen = arm_is_frozen(chain, effects);
+    let mut prepared = Prepared::of(whole, &contacts, (&BTreeSet::new(), frozen))?;
     if prepared.scale_is_open && !contacts.is_empty() {
         // A distance between places is held, which contacts need a place for.
         let nominal = bare(chain)?;
         let at = contacts::places(chain, data, &contacts, |rows| sensors::poses(&nominal, rows))?;
-        prepared = Prepared::of(whole, &contacts, &contacts::spread(&at))?;
+        prepared = Prepared::of(whole, &contacts, (&contacts::spread(&at), frozen))?;
     }
     let Prepared { measured, outside, has_base, has_scale, scale_is_open, .. } = prepared;
     let Prepared {
@@ -253,6 +254,20 @@ fn all_known(chain: &Chain) -> Result<Chain, IdentifyError> {
     let all =
         chain.clone().with_base(base).and_then(|c| c.map_tools(known)).and_then(|c| c.with_targets(targets));
     all.map_err(|error| IdentifyError::Landmark { name: "all".into(), why: error.to_string() })
+}
+
+/// Whether these effects change nothing but base, tools and targets.
+fn arm_is_frozen(chain: &Chain, effects: &[Box<dyn AnyEffect>]) -> bool {
+    let ends: Vec<FrameId> =
+        (0..chain.tools().len()).map(|k| chain.frame_of_tool(ToolId(k))).chain([FrameId::BASE]).collect();
+    let outside = |place: &Where| match place {
+        Where::Frame(frame) => ends.contains(frame),
+        Where::Targets(_) => true,
+    };
+    effects.iter().all(|effect| {
+        let frames = effect.concrete::<Geometric>().and_then(|geometric| geometric.frames.as_ref());
+        frames.is_some_and(|frames| frames.iter().all(outside))
+    })
 }
 
 /// The effects without errors of the base.

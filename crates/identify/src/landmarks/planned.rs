@@ -12,7 +12,7 @@ use super::contacts;
 use super::prepared::Prepared;
 use super::rounds::{put, with};
 use super::sensors::poses;
-use super::{all_known, alone, start, without_base};
+use super::{all_known, alone, arm_is_frozen, start, without_base};
 use crate::IdentifyError;
 use crate::linearise::Lineariser;
 use nalgebra::{DMatrix, DVector};
@@ -50,7 +50,8 @@ impl PlannedRows {
         let visit_of: BTreeMap<u64, usize> =
             data.line.iter().copied().zip(data.visit.iter().copied()).collect();
         let contacts = contacts::contacts(chain, &data)?;
-        let prepared = Prepared::of((chain, &data, surroundings), &contacts, &BTreeSet::new())?;
+        let frozen = arm_is_frozen(chain, fitted.model().effects());
+        let prepared = Prepared::of((chain, &data, surroundings), &contacts, (&BTreeSet::new(), frozen))?;
         let Prepared {
             mut data,
             surroundings,

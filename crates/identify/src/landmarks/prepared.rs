@@ -32,11 +32,11 @@ pub(super) struct Prepared {
 }
 
 impl Prepared {
-    /// Contacts of these numbers keep a landmark each.
+    /// Contacts of these numbers keep a landmark each; `frozen`: no effect changes the arm.
     pub fn of(
         (chain, data, surroundings): (&Chain, &Dataset, &Surroundings),
         contacts: &[Contact],
-        kept: &BTreeSet<usize>,
+        (kept, frozen): (&BTreeSet<usize>, bool),
     ) -> Result<Self, IdentifyError> {
         let described = surroundings.landmarks.len();
         let (data, surroundings) = match contacts.is_empty() {
@@ -70,6 +70,7 @@ impl Prepared {
                 false => surroundings.distances.iter().filter(|of| structure.keeps(of)).collect(),
             },
             touched: !structure.points.is_empty() || !contacts.is_empty(),
+            frozen,
             sensors: &sensors,
         };
         let words = gauge.words(&surroundings);

@@ -7,7 +7,7 @@
 
 use super::cause::{Cause, Suspicion};
 use super::registration::{self, Offset, Point};
-use super::{hypotheses, outlying};
+use super::{decisive, hypotheses, outlying};
 use crate::place;
 use nalgebra::Vector3;
 use std::collections::BTreeSet;
@@ -106,7 +106,7 @@ fn of_the_whole(chain: &Chain, data: &Dataset) -> Option<Option<Suspicion>> {
             Cause::StaleJoints { .. } => registration::without_strays(&points, &sampled.offsets).0,
             _ => registration::anywhere(&points, &sampled.offsets),
         };
-        if !(after < GAIN * free && after < GOOD * length) {
+        if !((after < GAIN * free && after < GOOD * length) || decisive(free, after, length)) {
             continue;
         }
         // Of mirror images, which are all alike for a base that may stand anywhere, the one with the base where it is declared.

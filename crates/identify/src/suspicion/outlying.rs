@@ -29,7 +29,7 @@ const TAIL: f64 = 0.1;
 const TAIL_ROWS: usize = 5;
 /// Shares of the robot's length: nothing below this is worth a word, in a calibration by any instrument.
 const LEAST: f64 = 1e-4;
-/// Rows below which a tail says nothing.
+/// Rows below which nothing is known of a tail.
 const FEWEST: usize = 20;
 /// Rows of a point of unknown place that determine it, at the least, with one to spare.
 const PLACED: usize = 3;
@@ -57,7 +57,7 @@ pub(super) fn outlying(chain: &Chain, data: &Dataset, gross: &[usize]) -> Option
     let least = LEAST * chain.characteristic_length();
     let (mut constants, mut outside, mut bulk) = once(chain, &bare, &without(gross), &all, least)?;
     if !outside.is_empty() {
-        // Where base and targets were looked for, the rows outside had a say in that.
+        // Where base and targets were looked for, the rows outside have moved them.
         let rows: Vec<usize> = outside.iter().map(|o| o.row).collect();
         if let Some(again) = once(chain, &bare, &without(&rows), &all, least)
             && !again.1.is_empty()
@@ -108,7 +108,7 @@ fn once<'a>(
     Some((constants, outside, Bulk { rms, most }))
 }
 
-/// Rows that others say anything of: of a tool or a target of unknown place a few of the fitted rows are needed to know where it is.
+/// Rows that others determine: of a tool or a target of unknown place a few of the fitted rows are needed to know where it is.
 fn judgeable(chain: &Chain, data: &Dataset, fitted: &[usize], all: &[usize]) -> Vec<usize> {
     let point = |row: usize| (data.target[row].map(|target| target.0), data.tool(row).0);
     let known = |(target, tool): (Option<usize>, usize)| {
@@ -129,7 +129,7 @@ fn parted(data: &Dataset, mut judged: Vec<Judged>, least: f64) -> (Vec<Judged>, 
     let beyond = judged.iter().take(most).take_while(far).count();
     let outside = |&k: &usize| {
         let gap = (judged[k - 1].square / judged[k].square.max(f64::MIN_POSITIVE)).sqrt();
-        // Those far beyond are outside by themselves, and say nothing about the nearer ones.
+        // Those far beyond are outside by themselves, and are no measure of the nearer ones.
         let near = |j: &&Judged| j.square < GAP * GAP * judged[k - 1].square;
         let near = judged[..k].iter().filter(near).chain([&judged[k - 1]]);
         let mut visits: Vec<usize> = near.map(|j| data.visit[j.row]).collect();

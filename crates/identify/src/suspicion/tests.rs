@@ -9,6 +9,11 @@ use truepose_kinematics::{Chain, JointKind, Placed, Pose, Target, TargetId, samp
 
 /// A robot with two targets, measured with errors of some millimetres: as a robot before its calibration.
 fn measured(chain: &Chain, seed: u64) -> (Chain, Dataset) {
+    measured_within(chain, seed, 5e-4)
+}
+
+/// The same with errors of this share of its length.
+fn measured_within(chain: &Chain, seed: u64, share: f64) -> (Chain, Dataset) {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let target = |name: &str, at: [f64; 3]| Target {
         name: name.into(),
@@ -36,7 +41,7 @@ fn measured(chain: &Chain, seed: u64) -> (Chain, Dataset) {
             .collect();
         let tool = chain.forward(&joints);
         let target = row % 2;
-        let off = Vector3::from_fn(|_, _| rng.random_range(-1.0..1.0)) * 5e-4 * length;
+        let off = Vector3::from_fn(|_, _| rng.random_range(-1.0..1.0)) * share * length;
         let at = tool.apply(&chain.targets()[target].position) + off;
         builder
             .push(Measurement::at(joints).position(at).target(TargetId(target)).visit(row as u64))
@@ -87,6 +92,18 @@ fn every_mistake_is_told() {
         let told = suspicion(&chain, &data).unwrap_or_else(|| panic!("nothing was said about {cause:?}"));
         assert_eq!(told.cause, cause, "{told:?}");
         assert!(told.after < 2e-3 && told.before > 5.0 * told.after, "{told:?}");
+    }
+}
+
+#[test]
+fn a_reversed_joint_of_a_servo_arm_is_told_beside_its_own_errors() {
+    for joint in [1, 2] {
+        let (chain, mut data) = measured_within(&samples::ur10(), 3, 0.025);
+        assert_eq!(suspicion(&chain, &data), None);
+        data.joints[joint].iter_mut().for_each(|q| *q = -*q);
+        let told = suspicion(&chain, &data).unwrap();
+        assert_eq!(told.cause, Cause::NegatedJoint { joint }, "{told:?}");
+        assert!(told.after > 0.02 * chain.characteristic_length(), "{told:?}");
     }
 }
 
