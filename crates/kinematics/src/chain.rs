@@ -4,8 +4,8 @@ use crate::couplings::Couplings;
 use crate::prepared::PreparedJoint;
 use crate::sines::sin_cos;
 use crate::{
-    ChainError, FrameId, Joint, JointId, JointKind, JointMotion, Placed, Placement, Pose, Site, Target,
-    TargetId, Tool, ToolId,
+    ChainError, FrameId, Joint, JointId, JointMotion, Placed, Placement, Pose, Site, Target, TargetId, Tool,
+    ToolId,
 };
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
@@ -311,6 +311,7 @@ impl Chain {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::JointKind;
     use crate::samples;
 
     #[test]
