@@ -35,7 +35,9 @@ impl Chain {
         }
         let carried = self.targets().iter().filter(|target| target.tool == tool);
         let target = carried.map(|t| t.position.norm()).fold(0.0, f64::max);
-        let shortest = self.shortest_way(tool);
+        // Where a slide stands at zero is no point of the way: of an arm with slides all distances count.
+        let slides = self.joints().iter().any(|joint| joint.kind == JointKind::Prismatic);
+        let shortest = if slides { f64::INFINITY } else { self.shortest_way(tool) };
         travel + target + if frames > CANCELS * shortest { shortest } else { frames }
     }
 
