@@ -17,7 +17,7 @@ use crate::error::DiscoverError;
 use crate::model::current::{Context, ModelFit};
 use crate::model::{installation, wide};
 use crate::observer::Begin;
-use crate::options::{DiscoverOptions, FEWEST_ROTATIONS};
+use crate::options::DiscoverOptions;
 use crate::progress::Progress;
 use crate::search::search;
 use crate::widened::Partitioned;
@@ -55,7 +55,7 @@ pub fn diagnose<A: Answer>(
         None if few => ((0..data.len()).collect(), (0..data.len()).collect()),
         fraction => hold_out(data, fraction.unwrap_or(options.policy.test_set), options.seed)?,
     };
-    on_split(chain, declared, (data, rows), solver, options, Checks::ALL, &|step| {
+    on_split(chain, declared, (data, rows), solver, options, Checks::All, &|step| {
         Ok(proceed(observer(step))?)
     })
 }
@@ -164,7 +164,8 @@ fn attempt(
         return Err(DiscoverError::TooFewPoses { have, rank, need: options.policy.fewest_poses });
     }
     let final_options = FitOptions { flat: FitOptions::default().flat, ..options.fit.clone() };
-    let declared_fit = DeclaredFit { declared: &open, fit: final_options, full_report: checks.test_set };
+    let declared_fit =
+        DeclaredFit { declared: &open, fit: final_options, full_report: checks == Checks::All };
     let held_out = if train_rows.len() < data.len() { HeldOut::TestSet } else { HeldOut::NestedFolds };
     let placement = placement.clone();
     let partition = Partition { data, train_rows, holdout_rows, held_out, placement, stated_scale: scale };
@@ -205,10 +206,8 @@ fn attempt(
         context = &all_rows;
     }
     outcome.model = outcome.model.between_rows(context)?;
-    // The folds need no more of p than on which side of α it lies.
-    let rotations = (options.rotations / 2).max(FEWEST_ROTATIONS);
-    let inner = &DiscoverOptions { rotations, ..options.clone() };
-    let again = |rows, checks| on_split(chain, declared, (&train, rows), solver, inner, checks, &|_| Ok(()));
+    let inner = &fallback::of_fold(options);
+    let again = |rows| on_split(chain, declared, (&train, rows), solver, inner, Checks::OfFold, &|_| Ok(()));
     let nested = fallback::nested(context, &outcome.model, (&partition, &train), checks, &again)?;
     let held = |model: &Model| all.map(|all| all.held_out_errors(model)).transpose();
     let mut unseen = Unseen { unsearched, nested, held: held(&outcome.model)? };

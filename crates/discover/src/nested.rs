@@ -5,8 +5,9 @@
 //! search finds on the other folds (Stone 1974; Varma and Simon 2006).
 
 use crate::conclude::cross_validated::CrossValidated;
+use crate::conclude::diagnosis::Diagnosis;
 use crate::conclude::errors::Errors;
-use crate::conclude::fallback::Checks;
+use crate::conclude::fallback::{Checks, of_fold};
 use crate::conclude::held_out::HeldOutIntervals;
 use crate::data::derived;
 use crate::diagnose::on_split;
@@ -55,6 +56,19 @@ pub fn nested<A: Answer>(
     Nested::of(runs.collect::<Result<_, _>>()?, options)
 }
 
+impl Diagnosis {
+    /// The runs of the nested folds of this search where they are those of `split`; `data` are the rows that were searched. [`Nested::of`] puts
+    /// them together as [`nested()`] would.
+    pub fn runs_of(&self, split: &Split, data: &Dataset) -> Option<Vec<FoldRun>> {
+        let folds = Folds::new(data, split).ok().filter(|folds| folds.count == self.fold_runs.len())?;
+        let same = |run: &FoldRun| {
+            let mut own = (0..data.len()).filter(|&row| folds.of_visit[data.visit[row]] == run.fold);
+            run.clusters.len() == data.len() && own.by_ref().eq(run.rows.iter().copied())
+        };
+        self.fold_runs.iter().all(same).then(|| self.fold_runs.clone())
+    }
+}
+
 /// Runs the whole search without one fold of `split`, counted from zero: one of the runs of [`nested()`], on this or on another machine.
 ///
 /// # Errors
@@ -84,7 +98,8 @@ struct Outer<'a> {
     data: Dataset,
     folds: Folds,
     solver: &'a dyn Solver,
-    options: &'a DiscoverOptions,
+    /// Those of the runs without a fold.
+    options: DiscoverOptions,
 }
 
 impl<'a> Outer<'a> {
@@ -99,7 +114,7 @@ impl<'a> Outer<'a> {
         options.validate()?;
         let data = derived::with_derived(data, declared, &options.policy);
         let folds = Folds::new(&data, split)?;
-        Ok(Outer { chain, declared, data, folds, solver, options })
+        Ok(Outer { chain, declared, data, folds, solver, options: of_fold(options) })
     }
 
     fn run<A: Answer>(
@@ -110,7 +125,7 @@ impl<'a> Outer<'a> {
         let Outer { chain, declared, data, folds, solver, options } = self;
         let rows = (0..data.len()).partition(|&row| folds.of_visit[data.visit[row]] != fold);
         let step = |step| Ok(proceed(observer(step))?);
-        let found = on_split(chain, declared, (data, rows), *solver, options, Checks::UNSEEN, &step)?;
+        let found = on_split(chain, declared, (data, rows), *solver, options, Checks::OfFold, &step)?;
         Ok(FoldRun::of((fold, folds.count), &found, data))
     }
 }

@@ -46,6 +46,7 @@ pub(crate) fn search(
         let (multiplicity, p_value) = Multiplicity::of(&linearisation, &screen, known.take(), options)?;
         let detectable_gain = multiplicity.null.detectable(options.alpha, linearisation.len());
         outcome.last = LastScreen { p_value, detectable_gain };
+        known = Some(multiplicity.null.clone());
         let stop = history.decide(p_value, &outcome.model, options);
         let found = match stop {
             Some(_) => false,
@@ -63,14 +64,12 @@ pub(crate) fn search(
                 outcome.model = after_finding(context, outcome.model, &multiplicity)?;
             }
             interim(&outcome)?;
-            known = Some(multiplicity.null);
             continue;
         }
         if history.may_descend(&outcome.model) {
             let changed;
             (outcome.model, changed) = descended(context, outcome.model)?;
             if changed {
-                known = Some(multiplicity.null);
                 continue;
             }
         }
@@ -80,7 +79,6 @@ pub(crate) fn search(
             (outcome.model, changed) = reconsidered_once(context, outcome.model, &multiplicity)?;
             if changed {
                 // The revised model may have further significant candidates.
-                known = Some(multiplicity.null);
                 continue;
             }
         }

@@ -3,12 +3,13 @@
 use crate::error::bounded;
 use crate::{AnyEffect, Column, Dataset, Emission, MOST_UNKNOWNS, ModelError, Schema, Signal};
 use std::ops::Range;
+use std::sync::Arc;
 use truepose_kinematics::{Chain, Conditions, Posture, Slot};
 
 /// A robot and the effects that its model has. Immutable; coefficients live elsewhere.
 #[derive(Debug, Clone)]
 pub struct ErrorModel {
-    chain: Chain,
+    chain: Arc<Chain>,
     effects: Vec<Box<dyn AnyEffect>>,
     columns: Vec<Column>,
     first: Vec<usize>,
@@ -31,7 +32,8 @@ impl ErrorModel {
     ///
     /// # Errors
     /// When an effect's parameters do not fit the robot.
-    pub fn new(chain: Chain, effects: Vec<Box<dyn AnyEffect>>) -> Result<Self, ModelError> {
+    pub fn new(chain: impl Into<Arc<Chain>>, effects: Vec<Box<dyn AnyEffect>>) -> Result<Self, ModelError> {
+        let chain = chain.into();
         let mut columns = Vec::new();
         let mut first = vec![0];
         let mut unknowns = 0;
@@ -62,20 +64,25 @@ impl ErrorModel {
     pub fn with(&self, effect: Box<dyn AnyEffect>) -> Result<Self, ModelError> {
         let mut effects = self.effects.clone();
         effects.push(effect);
-        ErrorModel::new(self.chain.clone(), effects)
+        ErrorModel::new(Arc::clone(&self.chain), effects)
     }
 
     /// The same effects on another description of the robot (a placement that was found).
     ///
     /// # Errors
     /// When an effect does not fit it.
-    pub fn on(&self, chain: Chain) -> Result<Self, ModelError> {
+    pub fn on(&self, chain: impl Into<Arc<Chain>>) -> Result<Self, ModelError> {
         ErrorModel::new(chain, self.effects.clone())
     }
 
     /// The robot.
     pub fn chain(&self) -> &Chain {
         &self.chain
+    }
+
+    /// The robot, to be shared with another model.
+    pub fn shared_chain(&self) -> Arc<Chain> {
+        Arc::clone(&self.chain)
     }
 
     /// The effects, in order.

@@ -1,6 +1,7 @@
 //! The nominal robot.
 
 use crate::couplings::Couplings;
+use crate::length::KeptLength;
 use crate::prepared::PreparedJoint;
 use crate::sines::sin_cos;
 use crate::{
@@ -64,6 +65,8 @@ pub struct Chain {
     prepared: Vec<PreparedJoint>,
     /// Between the controller's values and the joints' variables.
     pub(crate) couplings: Couplings,
+    /// Kept with the joints, tools and targets of which it is the length.
+    pub(crate) length: KeptLength,
 }
 
 impl Chain {
@@ -109,6 +112,7 @@ impl Chain {
             movable,
             coordinates,
             couplings: Couplings::default(),
+            length: KeptLength::default(),
         })
     }
 
@@ -133,6 +137,7 @@ impl Chain {
             return Err(ChainError::NotFinite { what: "the pose", name: "tool".into() });
         }
         self.tools[0].placed = tool;
+        self.length = KeptLength::default();
         Ok(self)
     }
 
@@ -158,6 +163,7 @@ impl Chain {
         let own = targets.iter().position(|target| target.name.starts_with(crate::SEEN));
         self.described = own.unwrap_or(targets.len());
         self.targets = targets;
+        self.length = KeptLength::default();
         Ok(self)
     }
 
@@ -234,6 +240,7 @@ impl Chain {
     }
 
     pub(crate) fn joint_mut(&mut self, joint: JointId) -> &mut Joint {
+        self.length = KeptLength::default();
         &mut self.joints[joint.index()]
     }
 

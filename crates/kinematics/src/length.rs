@@ -5,18 +5,31 @@
 
 use crate::{Chain, FrameId, JointKind, Pose, ToolId};
 use nalgebra::Vector3;
+use std::sync::OnceLock;
 
 /// The sum of the distances is believed up to so many times the shortest way.
 const CANCELS: f64 = 3.0;
 /// Sweeps over the points of that way: of each, half of an offset at least is left behind.
 const SWEEPS: usize = 60;
 
+/// The length of a chain, m, once it was computed. It follows from the rest of the chain: two of them are equal.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct KeptLength(OnceLock<f64>);
+
+impl PartialEq for KeptLength {
+    fn eq(&self, _: &Self) -> bool {
+        true
+    }
+}
+
 impl Chain {
     /// A length typical of the arm, m: the sum of the nominal distances between neighbouring frames, travels of slides included; of a
     /// tree its longest branch. Angles times this length compare with lengths.
     pub fn characteristic_length(&self) -> f64 {
-        let longest = (0..self.tools().len()).map(|k| self.length_to(ToolId(k))).fold(0.0, f64::max);
-        if longest > 1e-6 { longest } else { 1.0 }
+        *self.length.0.get_or_init(|| {
+            let longest = (0..self.tools().len()).map(|k| self.length_to(ToolId(k))).fold(0.0, f64::max);
+            if longest > 1e-6 { longest } else { 1.0 }
+        })
     }
 
     fn length_to(&self, tool: ToolId) -> f64 {
@@ -81,7 +94,8 @@ impl Chain {
 
 #[cfg(test)]
 mod tests {
-    use crate::{Chain, Joint, JointKind, Placement, ToolId, samples};
+    use crate::{Chain, Joint, JointKind, Placed, Placement, Pose, ToolId, samples};
+    use nalgebra::Vector3;
     use std::f64::consts::FRAC_PI_2;
 
     #[test]
@@ -103,6 +117,10 @@ mod tests {
         };
         let plain = samples::ur10().characteristic_length();
         assert!((arm(0.0, 0.0).characteristic_length() - plain).abs() < 1e-12);
+        let pose = Pose { translation: Vector3::new(0.0, 0.0, 0.4), ..Pose::IDENTITY };
+        let tool = Placed { pose, known: true };
+        let longer = samples::ur10().with_tool(tool).unwrap().characteristic_length();
+        assert!((longer - plain - 0.4).abs() < 1e-12, "the length is that of the chain with its tool");
         let shortest = arm(0.0, 0.0).shortest_way(ToolId(0));
         for offset in [300.0, -87.0] {
             let found = arm(offset, 0.0).characteristic_length();

@@ -4,6 +4,7 @@
 //! between the base and a tool is a chain like any other: frames that do not carry the tool have no part in where it is, but their weights
 //! load the joints that carry both.
 
+use crate::length::KeptLength;
 use crate::{Chain, ChainError, FrameId, JointId, Placed, Tool, ToolId};
 
 impl Chain {
@@ -19,6 +20,7 @@ impl Chain {
             }
         }
         self.parents = parents.iter().map(|parent| parent.map_or(FrameId::BASE, |p| FrameId(p.0))).collect();
+        self.length = KeptLength::default();
         self.find_paths();
         Ok(self)
     }

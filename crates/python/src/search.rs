@@ -183,7 +183,10 @@ impl Search {
             return Err(input("nested cross-validation was not asked for"));
         };
         let read = |bytes: &Vec<u8>| serde_json::from_slice(Unpacker::new(bytes)?.bytes()?).map_err(input);
-        let runs = folds.iter().map(read).collect::<PyResult<Vec<FoldRun>>>()?;
+        let runs = match found.found.runs_of(split, &found.data) {
+            Some(known) => known,
+            None => folds.iter().map(read).collect::<PyResult<Vec<FoldRun>>>()?,
+        };
         let nested = py.detach(|| Nested::of(runs, &self.asked.options)).map_err(input)?;
         Ok(found.validated(py, NestedSummary::new(&nested, front::split_words(split))))
     }
@@ -267,7 +270,11 @@ impl Asked {
             let observer = |fold: usize, step: Progress| {
                 working.step(&format!("fold {}: {}", fold + 1, front::progress_words(&step)))
             };
-            let judged = nested(chain, effects, rows, split, &*solver, options, &observer).map_err(input)?;
+            let judged = match found.runs_of(split, rows) {
+                Some(runs) => Nested::of(runs, options),
+                None => nested(chain, effects, rows, split, &*solver, options, &observer),
+            }
+            .map_err(input)?;
             summary.nested = Some(NestedSummary::new(&judged, front::split_words(split)));
         }
         if let Ok(found) = as_found(&found.placement, &found.data, &FitOptions::default()) {

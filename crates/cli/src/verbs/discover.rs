@@ -18,7 +18,7 @@ use crate::verdict::FitVerdict;
 use crate::watch::{Kept, Watch};
 use std::path::{Path, PathBuf};
 use truepose_discover::{
-    CompetingFit, Diagnosis, DiscoverError, DiscoverOptions, Progress, diagnose, nested,
+    CompetingFit, Diagnosis, DiscoverError, DiscoverOptions, Nested, Progress, diagnose, nested,
 };
 use truepose_errormodel::{Dataset, FittedModel, ModelError};
 use truepose_identify::{FitOptions, IdentifyError, as_found};
@@ -120,10 +120,15 @@ pub fn run(args: &Discover, watch: &Watch) -> Result<(), Failure> {
                 "--nested: a single configuration cannot be divided into folds".into(),
             ));
         };
-        let bar = Bar::spinner(watch);
-        let judged = nested(chain, declared, data, &split, &*solver, &options, &|fold, step| {
-            bar.show(&format!("fold {} of {folds}: {}", fold + 1, progress_text(&step)));
-        })?;
+        let judged = match found.runs_of(&split, data) {
+            Some(runs) => Nested::of(runs, &options)?,
+            None => {
+                let bar = Bar::spinner(watch);
+                nested(chain, declared, data, &split, &*solver, &options, &|fold, step| {
+                    bar.show(&format!("fold {} of {folds}: {}", fold + 1, progress_text(&step)));
+                })?
+            }
+        };
         summary.nested = Some(NestedSummary::new(&judged, split_words(&split)));
     }
     if let Ok(found) = as_found(&found.placement, &found.data, &FitOptions::default()) {

@@ -2,7 +2,7 @@
 
 use crate::accept::accepted::Accepted;
 use crate::accept::evidence::{Doubt, Refused, collect};
-use crate::contest::competition::{Contest, contest};
+use crate::contest::competition::{Contest, Contests};
 use crate::contest::competitor::{Competitor, outcompeted, with_estimates};
 use crate::contest::names::{doubted, name_probabilities};
 use crate::contest::payload::order_payloads;
@@ -27,8 +27,9 @@ pub(crate) fn winner(
     let options = context.options;
     let mut barred: Vec<Candidate> = barred.to_vec();
     let wander = BesideWander::of(linearisation, options.seed);
+    let mut contests = Contests::new(linearisation, screen, true)?;
     for _ in 0..context.budget().contests {
-        let Contest { present, mut competitors } = contest(linearisation, screen, &barred, true)?;
+        let Contest { present, mut competitors } = contests.without(&barred)?;
         order_payloads(context, current, &mut competitors)?;
         if competitors.is_empty() {
             return Ok(None);

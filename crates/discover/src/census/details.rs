@@ -2,7 +2,7 @@
 
 use crate::census::all_rows::AllRows;
 use crate::policy::Policy;
-use crate::problem::projection::basis;
+use crate::problem::basis::basis;
 use crate::problem::tables::Sums;
 use crate::statistics::beta::surprisal;
 use crate::statistics::coefficients::CoefficientDistribution;

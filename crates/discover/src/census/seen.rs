@@ -114,7 +114,7 @@ fn in_blocks(
     let known = model.columns().len();
     let mut effects = model.effects().to_vec();
     effects.push(Box::new(Geometric::default()));
-    let beside = ErrorModel::new(model.chain().clone(), effects)?;
+    let beside = ErrorModel::new(model.shared_chain(), effects)?;
     let mut coefficients = all.at.fitted.coefficients().to_vec();
     coefficients.resize(beside.columns().len(), 0.0);
     let mut wanted = all.at.reduction.kept.clone();

@@ -48,7 +48,7 @@ impl White {
         let model = at.fitted.model();
         let known = model.columns().len();
         let all: Vec<Box<dyn AnyEffect>> = model.effects().iter().chain(effects).cloned().collect();
-        let beside = ErrorModel::new(model.chain().clone(), all)?;
+        let beside = ErrorModel::new(model.shared_chain(), all)?;
         let mut coefficients = at.fitted.coefficients().to_vec();
         coefficients.resize(beside.columns().len(), 0.0);
         let wanted: Vec<usize> =
@@ -67,7 +67,7 @@ impl White {
 
     /// How many unknowns a candidate has; none where the block lacks a covariate of it.
     pub fn width_of(candidate: &Candidate, at: &Fit, block: &Dataset) -> Option<usize> {
-        let model = ErrorModel::new(at.fitted.chain().clone(), candidate.effects().to_vec()).ok()?;
+        let model = ErrorModel::new(at.fitted.model().shared_chain(), candidate.effects().to_vec()).ok()?;
         model.bind(&block.schema).ok()?;
         Some(model.columns().len())
     }

@@ -9,6 +9,7 @@ use crate::conclude::partition::HeldOut;
 use crate::conclude::stated::StatedScale;
 use crate::conclude::trace::point::Trace;
 use crate::conclude::verdict::{Unexplained, Verdict};
+use crate::fold::FoldRun;
 use crate::hypotheses::candidate::Candidate;
 use crate::hypotheses::family::Family;
 use crate::hypotheses::place::Place;
@@ -75,6 +76,8 @@ pub struct Diagnosis {
     pub suspects: Vec<usize>,
     /// Where the held-out errors come from.
     pub held_out: HeldOut,
+    /// The runs of its nested folds; empty where there were none.
+    pub fold_runs: Vec<FoldRun>,
     /// Rows (0-based) with a held-out error: the test set, or all.
     pub holdout_rows: Vec<usize>,
     /// The data of the final fit: payloads corrected, outliers excluded.

@@ -19,9 +19,11 @@ use crate::accept::model::Model;
 use crate::conclude::diagnosis::{Check, Diagnosis, Withdrawn};
 use crate::conclude::partition::{HeldOut, Partition, by_folds};
 use crate::error::DiscoverError;
+use crate::fold::FoldRun;
 use crate::model::current::Context;
 use crate::model::prepared::with_found;
 use crate::model::refits::{Comparison, compared};
+use crate::options::{DiscoverOptions, FEWEST_ROTATIONS};
 use crate::problem::linearisation::Linearisation;
 use crate::problem::outliers::outliers;
 use nalgebra::Vector3;
@@ -30,22 +32,18 @@ use truepose_errormodel::{Dataset, Visits};
 use truepose_identify::{Fit, Residuals};
 
 /// Which checks a run makes.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Checks {
-    /// The test set belongs to this run; inside a cross-validation it belongs to the outer loop and stays
-    /// unused.
-    pub test_set: bool,
-    /// The whole search is cross-validated where poses are few.
-    pub nested: bool,
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Checks {
+    /// All of them: a run of its own.
+    All,
+    /// Refits alone: a run without a fold of a cross-validation. The fold belongs to the cross-validation and stays unused, and the search is
+    /// not cross-validated again.
+    OfFold,
 }
 
-impl Checks {
-    /// Of a run of its own.
-    pub const ALL: Checks = Checks { test_set: true, nested: true };
-    /// Of a run inside a cross-validation of the search.
-    pub const UNSEEN: Checks = Checks { test_set: false, nested: true };
-    /// Of a run inside the cross-validation of such a run: ends the recursion.
-    const INNERMOST: Checks = Checks { test_set: false, nested: false };
+/// The options of a run without a fold: fewer rotations, since only the side of α on which p lies matters ([`crate::screen::multiplicity`]).
+pub(crate) fn of_fold(options: &DiscoverOptions) -> DiscoverOptions {
+    DiscoverOptions { rotations: FEWEST_ROTATIONS.min(options.rotations), ..options.clone() }
 }
 
 /// Residuals of the declared and of the enlarged model on rows that the fitted coefficients, or the whole search, have not seen.
@@ -53,14 +51,20 @@ pub(crate) struct Unseen {
     /// Those of [`unsearched`], where only a sample of the rows was searched.
     pub unsearched: Option<[Residuals; 2]>,
     /// Those of [`nested`], where poses are few.
-    pub nested: Option<[Residuals; 2]>,
+    pub nested: Option<Folded>,
     /// Those of all held-out rows, where the data of the run is a part of them.
     pub held: Option<[Residuals; 2]>,
 }
 
+/// The residuals of both models on the training rows, by whole runs without each fold, with these runs; none where the model has no findings,
+/// or where a fold could not be searched.
+pub(crate) struct Folded {
+    pub pair: [Residuals; 2],
+    pub runs: Vec<FoldRun>,
+}
+
 /// Runs the search on another partition (training, test) of the training rows.
-pub(crate) type Again<'a> =
-    dyn Fn((Vec<usize>, Vec<usize>), Checks) -> Result<Diagnosis, DiscoverError> + Sync + 'a;
+pub(crate) type Again<'a> = dyn Fn((Vec<usize>, Vec<usize>)) -> Result<Diagnosis, DiscoverError> + Sync + 'a;
 
 /// Compares the model with the declared one; returns the findings with the failed check when they have to be
 /// withdrawn.
@@ -94,12 +98,12 @@ pub(crate) fn withdrawn(
     if let Some(failed) = loss(check, &blank(pair, out), &any_loss) {
         return Ok(Some(failed));
     }
-    if let Some(pair) = &unseen.nested
+    if let Some(Folded { pair, .. }) = &unseen.nested
         && let Some(failed) = loss(Check::NestedFolds, &blank(pair.clone(), out), &any_loss)
     {
         return Ok(Some(failed));
     }
-    if checks.test_set && partition.held_out == HeldOut::TestSet {
+    if checks == Checks::All && partition.held_out == HeldOut::TestSet {
         let pair = match &unseen.held {
             Some(pair) => pair.clone(),
             None => {
@@ -142,14 +146,16 @@ pub(crate) fn nested(
     (partition, train): (&Partition<'_>, &Dataset),
     checks: Checks,
     again: &Again<'_>,
-) -> Result<Option<[Residuals; 2]>, DiscoverError> {
+) -> Result<Option<Folded>, DiscoverError> {
     let (policy, poses) = (context.policy(), Visits::of(train).len());
-    let wanted = partition.held_out == HeldOut::NestedFolds || (checks.nested && poses < policy.few_poses);
+    let wanted =
+        partition.held_out == HeldOut::NestedFolds || (checks == Checks::All && poses < policy.few_poses);
     if !wanted {
         return Ok(None);
     }
     if model.findings.is_empty() {
-        return Ok((partition.held_out == HeldOut::NestedFolds).then_some(model.both_refitted(context)?));
+        let refits = partition.held_out == HeldOut::NestedFolds;
+        return Ok(refits.then_some(Folded { pair: model.both_refitted(context)?, runs: Vec::new() }));
     }
     let nothing = Residuals {
         position: vec![Vector3::repeat(f64::NAN); train.len()],
@@ -160,7 +166,7 @@ pub(crate) fn nested(
     let runs: Vec<(Vec<usize>, Result<Diagnosis, DiscoverError>)> =
         by_folds(train, folds, context.options.seed)?
             .into_par_iter()
-            .map(|(kept, held)| (held.clone(), again((kept, held), Checks::INNERMOST)))
+            .map(|(kept, held)| (held.clone(), again((kept, held))))
             .collect();
     // Without a fold there may be too few poses for a search, or for a fit: then its rows are not compared.
     if runs.iter().all(|(_, run)| run.is_err())
@@ -168,9 +174,11 @@ pub(crate) fn nested(
     {
         return Err(error.clone());
     }
-    for (held, run) in runs {
+    let (count, mut fold_runs) = (runs.len(), Vec::new());
+    for (fold, (held, run)) in runs.into_iter().enumerate() {
         // In a fold without findings both models are equal.
         let Ok(run) = run else { continue };
+        fold_runs.push(FoldRun::of((fold, count), &run, train));
         for (all, part) in pair.iter_mut().zip([&run.before.holdout, &run.after.holdout]) {
             for (k, &row) in held.iter().enumerate() {
                 all.position[row] = part.position[k];
@@ -178,7 +186,10 @@ pub(crate) fn nested(
             }
         }
     }
-    Ok(Some(pair))
+    if fold_runs.len() < count {
+        fold_runs.clear();
+    }
+    Ok(Some(Folded { pair, runs: fold_runs }))
 }
 
 /// Outliers of the test set, as indices into it: gross errors decide for neither model.

@@ -120,6 +120,7 @@ impl InterimReport {
         let (verdict, unexplained) =
             verdict(&noise_floor, interrupted, variances, last, Doubts::default(), context.policy());
         Ok(Diagnosis {
+            fold_runs: Vec::new(),
             rows: partition.data.len(),
             visits: Visits::of(partition.data).len(),
             placement: partition.placement.clone(),

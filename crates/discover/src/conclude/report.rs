@@ -7,6 +7,7 @@ use crate::conclude::cross_validated::CrossValidated;
 use crate::conclude::diagnosis::{Alternative, CompetingFit, Diagnosis, Finding, Parameter, Withdrawn};
 use crate::conclude::errors::{Errors, with_missing};
 use crate::conclude::extrapolation::extrapolations;
+use crate::conclude::fallback::Folded;
 use crate::conclude::final_fit::{DeclaredFit, Final, enlarged, training};
 use crate::conclude::floor::NoiseFloor;
 use crate::conclude::held_out::{HeldOutIntervals, clusters};
@@ -42,7 +43,7 @@ pub(crate) fn conclude(
     context: &Context<'_>,
     outcome: Outcome,
     partition: Partition<'_>,
-    (withdrawn, nested): (Option<Withdrawn>, Option<[Residuals; 2]>),
+    (withdrawn, nested): (Option<Withdrawn>, Option<Folded>),
     declared_fit: &DeclaredFit<'_>,
 ) -> Result<Diagnosis, DiscoverError> {
     let held = partition.data.select(&partition.holdout_rows);
@@ -61,8 +62,9 @@ pub(crate) fn conclude(
     };
     let mut before = errors(&declared, context.data, &held)?;
     let mut after = errors(&current.fit, &with_found(context.data, &found), &with_found(&held, &found))?;
+    let (pair, fold_runs) = nested.map_or((None, Vec::new()), |folded| (Some(folded.pair), folded.runs));
     if partition.held_out == HeldOut::NestedFolds {
-        let [declared, enlarged] = match nested {
+        let [declared, enlarged] = match pair {
             Some(pair) => pair,
             None => model.both_refitted(context)?,
         };
@@ -212,6 +214,7 @@ pub(crate) fn conclude(
         fit.fitted.fallback = Some(fallback);
     }
     Ok(Diagnosis {
+        fold_runs,
         rows: partition.data.len(),
         visits: Visits::of(partition.data).len(),
         placement: partition.placement.clone(),

@@ -21,73 +21,170 @@ use crate::screen::periodogram;
 use crate::screen::refine::refined;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
+use std::collections::BTreeMap;
+use std::sync::Arc;
 use truepose_errormodel::Visits;
 
 /// The competitors, the preferred one first, and the likelihood of the present model.
 pub(crate) struct Contest {
-    pub present: Likelihood,
+    pub present: Arc<Likelihood>,
     pub competitors: Vec<Competitor>,
 }
 
-/// Compares the best candidates of a screen, except those that are barred. With `more_periods_allowed`
-/// further periods are added to the best transmissions: in a search for a new finding, and in the
-/// reconsideration of a transmission.
+/// Compares the best candidates of a screen once, except those that are barred ([`Contests`]).
 pub(crate) fn contest(
     linearisation: &Linearisation<'_>,
     screen: &Screen,
     barred: &[Candidate],
     more_periods_allowed: bool,
 ) -> Result<Contest, DiscoverError> {
-    let visits = Visits::of(linearisation.data);
-    let present = Likelihood::new(linearisation, &DMatrix::zeros(linearisation.len(), 0), &visits)?;
-    let mut causes = screen.causes(linearisation);
-    causes.retain(|cause| !barred.iter().any(|b| b.family == cause.family && b.place == cause.place));
-    let mut found: Vec<Vec<Competitor>> = selected(linearisation, &causes, screen.opener())
-        .par_iter()
-        .map(|cause| refined_variants(linearisation, screen, &visits, cause))
-        .collect::<Result<_, _>>()?;
-    if more_periods_allowed {
-        add_periods(linearisation, screen, &visits, &mut found)?;
-    }
-    let competitors: Vec<Competitor> =
-        found.into_iter().filter_map(|shapes| simplest(shapes, linearisation.policy)).collect();
-    let best = least(&competitors);
-    let mut competitors: Vec<Competitor> = competitors
-        .into_par_iter()
-        .map(|r| {
-            if r.score < best + component_reach(&r, linearisation.policy) {
-                with_best_components(linearisation, screen, &visits, r)
-            } else {
-                Ok(r)
-            }
-        })
-        .collect::<Result<_, _>>()?;
-    rank(&mut competitors, linearisation.policy);
-    look_ahead::join(linearisation, screen, &visits, &mut competitors, &causes)?;
-    let first = look_ahead::first(&competitors, linearisation.policy);
-    // None at all where no candidate is plausible.
-    if let Some(before) = competitors.get_mut(..=first) {
-        before.rotate_right(usize::from(first > 0));
-    }
-    Ok(Contest { present, competitors })
+    Contests::new(linearisation, screen, more_periods_allowed)?.without(barred)
 }
 
-/// The best groups of candidates, the one with the smallest p, and the best group of every named family that has none among them.
-fn selected<'a>(
+/// A cause, and whether its variant with further periods took part beside the others.
+type Shape = (usize, bool);
+
+/// Contests of one screen. What was computed of a cause stays for those that follow without some of the others.
+pub(crate) struct Contests<'a> {
+    linearisation: &'a Linearisation<'a>,
+    screen: &'a Screen,
+    visits: Visits,
+    present: Arc<Likelihood>,
+    causes: Vec<Cause>,
+    /// Whether further periods are added to the best transmissions: in a search for a new finding, and in the reconsideration of a transmission.
+    more_periods_allowed: bool,
+    /// By cause: its refined variants.
+    refined: BTreeMap<usize, Vec<Competitor>>,
+    /// By cause: its best variant with further periods.
+    grown: BTreeMap<usize, Option<Competitor>>,
+    /// The competitor with its best components.
+    composed: BTreeMap<Shape, Competitor>,
+}
+
+impl<'a> Contests<'a> {
+    /// Of the causes of a screen.
+    pub fn new(
+        linearisation: &'a Linearisation<'a>,
+        screen: &'a Screen,
+        more_periods_allowed: bool,
+    ) -> Result<Self, DiscoverError> {
+        let visits = Visits::of(linearisation.data);
+        let nothing = DMatrix::zeros(linearisation.len(), 0);
+        Ok(Contests {
+            present: Arc::new(Likelihood::new(linearisation, &nothing, &visits)?),
+            causes: screen.causes(linearisation),
+            linearisation,
+            screen,
+            visits,
+            more_periods_allowed,
+            refined: BTreeMap::new(),
+            grown: BTreeMap::new(),
+            composed: BTreeMap::new(),
+        })
+    }
+
+    /// The contest of all causes that are not barred.
+    pub fn without(&mut self, barred: &[Candidate]) -> Result<Contest, DiscoverError> {
+        let (linearisation, screen) = (self.linearisation, self.screen);
+        let is_open =
+            |cause: &Cause| !barred.iter().any(|b| b.family == cause.family && b.place == cause.place);
+        let open: Vec<usize> = (0..self.causes.len()).filter(|&k| is_open(&self.causes[k])).collect();
+        let selected = selected(linearisation, &self.causes, &open, screen.opener());
+        let shapes = self.shapes(&selected)?;
+        let best = shapes.iter().map(|(_, r)| r.score).fold(f64::INFINITY, f64::min);
+        let mut competitors = self.composed(shapes, best)?;
+        rank(&mut competitors, linearisation.policy);
+        let open: Vec<&Cause> = open.iter().map(|&k| &self.causes[k]).collect();
+        look_ahead::join(linearisation, screen, &self.visits, &mut competitors, &open)?;
+        let first = look_ahead::first(&competitors, linearisation.policy);
+        // None at all where no candidate is plausible.
+        if let Some(before) = competitors.get_mut(..=first) {
+            before.rotate_right(usize::from(first > 0));
+        }
+        Ok(Contest { present: Arc::clone(&self.present), competitors })
+    }
+
+    /// Of each of these causes the simplest variant that is not distinguishable from its best one; none where no variant is plausible.
+    fn shapes(&mut self, selected: &[usize]) -> Result<Vec<(Shape, Competitor)>, DiscoverError> {
+        let (linearisation, screen, visits) = (self.linearisation, self.screen, &self.visits);
+        let new: Vec<usize> = selected.iter().copied().filter(|k| !self.refined.contains_key(k)).collect();
+        let refined: Vec<Vec<Competitor>> = new
+            .par_iter()
+            .map(|&k| refined_variants(linearisation, screen, visits, &self.causes[k]))
+            .collect::<Result<_, _>>()?;
+        self.refined.extend(new.into_iter().zip(refined));
+        let mut periodic = Vec::new();
+        if self.more_periods_allowed {
+            let turns = |k: &usize| {
+                let first = self.refined[k].first();
+                first.is_some_and(|r| r.candidate.periodic_in(linearisation.chain()).is_some())
+            };
+            periodic = selected.iter().copied().filter(turns).collect();
+            periodic.sort_by(|a, b| least(&self.refined[a]).total_cmp(&least(&self.refined[b])));
+            periodic.truncate(linearisation.budget.transmissions);
+            let new: Vec<usize> = periodic.iter().copied().filter(|k| !self.grown.contains_key(k)).collect();
+            let grown: Vec<Option<Competitor>> = new
+                .par_iter()
+                .map(|k| with_periods(linearisation, screen, visits, &self.refined[k]))
+                .collect::<Result<_, _>>()?;
+            self.grown.extend(new.into_iter().zip(grown));
+        }
+        let shape = |&k: &usize| {
+            let grown = if periodic.contains(&k) { self.grown[&k].as_ref() } else { None };
+            let simplest = simplest(self.refined[&k].iter().chain(grown), linearisation.policy)?;
+            Some(((k, grown.is_some()), simplest.clone()))
+        };
+        Ok(selected.iter().filter_map(shape).collect())
+    }
+
+    /// The competitors, those within reach of the best score with their best components.
+    fn composed(
+        &mut self,
+        shapes: Vec<(Shape, Competitor)>,
+        best: f64,
+    ) -> Result<Vec<Competitor>, DiscoverError> {
+        let (linearisation, screen, visits) = (self.linearisation, self.screen, &self.visits);
+        let (all, composed) = (shapes.len(), &self.composed);
+        let each: Vec<(Shape, bool, Competitor)> = shapes
+            .into_par_iter()
+            .map(|(key, r)| {
+                let reach = r.score < best + component_reach(&r, linearisation.policy);
+                Ok(match composed.get(&key).filter(|_| reach) {
+                    Some(known) => (key, reach, known.clone()),
+                    None if reach => (key, reach, with_best_components(linearisation, screen, visits, r)?),
+                    None => (key, reach, r),
+                })
+            })
+            .collect::<Result<_, DiscoverError>>()?;
+        let mut competitors = Vec::with_capacity(all);
+        for (key, reach, competitor) in each {
+            if reach && !self.composed.contains_key(&key) {
+                self.composed.insert(key, competitor.clone());
+            }
+            competitors.push(competitor);
+        }
+        Ok(competitors)
+    }
+}
+
+/// Of the causes that are open, the best ones, the one with the smallest p, and the best one of every named family that has none among them.
+fn selected(
     linearisation: &Linearisation<'_>,
-    causes: &'a [Cause],
+    causes: &[Cause],
+    open: &[usize],
     opener: Option<(Family, Place)>,
-) -> Vec<&'a Cause> {
+) -> Vec<usize> {
     let penalty = penalty_per_coefficient(linearisation.len());
-    let mut selected: Vec<&Cause> = causes.iter().take(linearisation.budget.causes).collect();
-    for cause in causes.iter().skip(linearisation.budget.causes) {
+    let mut selected: Vec<usize> = open.iter().copied().take(linearisation.budget.causes).collect();
+    for &k in open.iter().skip(linearisation.budget.causes) {
+        let cause = &causes[k];
         let (_, gain, freedom) = &cause.variants[0];
-        let known = selected.iter().any(|other| other.family == cause.family);
+        let known = selected.iter().any(|&other| causes[other].family == cause.family);
         let opens =
             opener.as_ref().is_some_and(|(family, place)| (*family, place) == (cause.family, &cause.place));
         let first_of_family = cause.family.is_named() && !known && gain - penalty * *freedom as f64 > 0.0;
         if opens || first_of_family {
-            selected.push(cause);
+            selected.push(k);
         }
     }
     selected
@@ -150,38 +247,24 @@ fn richer(
     competitors.filter_map(Result::transpose).collect()
 }
 
-/// Adds further periods to the best transmissions.
-fn add_periods(
+/// The best of these variants of a transmission with further periods; none where none is significant.
+fn with_periods(
     linearisation: &Linearisation<'_>,
     screen: &Screen,
     visits: &Visits,
-    found: &mut [Vec<Competitor>],
-) -> Result<(), DiscoverError> {
-    let mut transmissions: Vec<usize> = (0..found.len())
-        .filter(|&k| {
-            found[k].first().is_some_and(|r| r.candidate.periodic_in(linearisation.chain()).is_some())
-        })
-        .collect();
-    transmissions.sort_by(|&a, &b| least(&found[a]).total_cmp(&least(&found[b])));
-    transmissions.truncate(linearisation.budget.transmissions);
-    let grown: Vec<Option<Competitor>> = transmissions
-        .par_iter()
-        .map(|&k| {
-            let best = found[k].iter().min_by(|a, b| a.score.total_cmp(&b.score));
-            match best.and_then(|best| more_periods(linearisation, &screen.projection, &best.candidate)) {
-                Some(candidate) => competitor(linearisation, screen, visits, candidate),
-                None => Ok(None),
-            }
-        })
-        .collect::<Result<_, _>>()?;
-    transmissions.iter().zip(grown).for_each(|(&k, grown)| found[k].extend(grown));
-    Ok(())
+    variants: &[Competitor],
+) -> Result<Option<Competitor>, DiscoverError> {
+    let best = variants.iter().min_by(|a, b| a.score.total_cmp(&b.score));
+    match best.and_then(|best| more_periods(linearisation, &screen.projection, &best.candidate)) {
+        Some(candidate) => competitor(linearisation, screen, visits, candidate),
+        None => Ok(None),
+    }
 }
 
 /// The simplest variant of a cause that is not distinguishable from the best one.
-fn simplest(mut shapes: Vec<Competitor>, policy: &Policy) -> Option<Competitor> {
-    shapes.retain(|r| plausible(r, policy) && r.score.is_finite());
-    let best = least(&shapes);
+fn simplest<'c>(shapes: impl Iterator<Item = &'c Competitor>, policy: &Policy) -> Option<&'c Competitor> {
+    let shapes: Vec<&Competitor> = shapes.filter(|r| plausible(r, policy) && r.score.is_finite()).collect();
+    let best = shapes.iter().map(|r| r.score).fold(f64::INFINITY, f64::min);
     let tied = shapes.into_iter().filter(|r| r.score < best + policy.variant_ties * policy.tie);
     tied.min_by(|a, b| a.unknowns().cmp(&b.unknowns()).then(a.score.total_cmp(&b.score)))
 }

@@ -27,6 +27,7 @@ use nalgebra::DMatrix;
 use truepose_errormodel::Visits;
 
 /// A candidate with optimised nonlinear parameters, and its likelihood.
+#[derive(Clone)]
 pub(crate) struct Competitor {
     pub candidate: Candidate,
     /// Raw columns, m × k.

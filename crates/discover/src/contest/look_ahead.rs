@@ -26,16 +26,13 @@ pub(crate) fn join(
     screen: &Screen,
     visits: &Visits,
     competitors: &mut [Competitor],
-    causes: &[Cause],
+    causes: &[&Cause],
 ) -> Result<(), DiscoverError> {
     if competitors.len() < 2 {
         return Ok(());
     }
     let named = causes.iter().filter(|cause| cause.family.is_named());
-    let partners: Vec<(&Candidate, f64)> = named
-        .take(linearisation.budget.partners)
-        .map(|cause| (&cause.variants[0].0, cause.variants[0].1))
-        .collect();
+    let partners: Vec<&Cause> = named.take(linearisation.budget.partners).copied().collect();
     let joined: Vec<usize> = (0..competitors.len())
         .filter(|&k| k == 0 || competitors[k].candidate.family.is_named())
         .take(linearisation.budget.competitors)
@@ -45,8 +42,8 @@ pub(crate) fn join(
         .map(|&k| {
             let alike =
                 |partner: &Candidate| [k, 0].iter().any(|&k| partner.same_cause(&competitors[k].candidate));
-            let others: Vec<(&Candidate, f64)> =
-                partners.iter().copied().filter(|(partner, _)| !alike(partner)).collect();
+            let others: Vec<&Cause> =
+                partners.iter().copied().filter(|partner| !alike(&partner.variants[0].0)).collect();
             partner(linearisation, screen, visits, &competitors[k], &others)
         })
         .collect::<Result<_, _>>()?;
@@ -56,22 +53,24 @@ pub(crate) fn join(
     Ok(())
 }
 
-/// The best of the partners (candidate, gain alone) that a competitor may have; `None` where none is worth its unknowns.
+/// The best of the partners that a competitor may have, each the best variant of its cause; `None` where none is worth its unknowns.
 fn partner(
     linearisation: &Linearisation<'_>,
     screen: &Screen,
     visits: &Visits,
     competitor: &Competitor,
-    partners: &[(&Candidate, f64)],
+    partners: &[&Cause],
 ) -> Result<Option<Partner>, DiscoverError> {
     let projection = Projection::under(linearisation, competitor.likelihood.noise);
-    let candidates: Vec<&Candidate> = partners.iter().map(|(partner, _)| *partner).collect();
-    let accumulated = projection.accumulate(linearisation, &candidates)?;
+    let columns = partners.iter().map(|partner| partner.columns(linearisation));
+    let columns = columns.collect::<Result<Vec<_>, _>>()?;
+    let accumulated = projection.accumulate(columns.iter().copied());
     let Some(gains) = projection.beside(&competitor.columns, &accumulated) else { return Ok(None) };
     let penalty = penalty_per_coefficient(linearisation.len());
-    let worth = |((partner, alone), gain): (&(&Candidate, f64), Option<(f64, usize)>)| {
+    let worth = |(k, gain): (usize, Option<(f64, usize)>)| {
         let (gain, freedom) = gain?;
         let worth = gain - penalty * freedom as f64;
+        let partner = &partners[k].variants[0].0;
         // A drive beside a drive is expected; any other cause has to be probable by itself.
         let prior = match yield_together(&competitor.candidate, partner) {
             true => 0.0,
@@ -80,17 +79,16 @@ fn partner(
                     + name_prior(partner.family, linearisation.policy)
             }
         };
-        (worth > linearisation.policy.partner_margin)
-            .then(|| (worth - prior, freedom, (*partner).clone(), *alone))
+        (worth > linearisation.policy.partner_margin).then_some((worth - prior, freedom, k))
     };
-    let best = partners.iter().zip(gains).filter_map(worth).max_by(|a, b| a.0.total_cmp(&b.0));
-    let Some((_, freedom, candidate, alone)) = best else { return Ok(None) };
-    let columns = linearisation.columns_of(&candidate)?;
+    let best = gains.into_iter().enumerate().filter_map(worth).max_by(|a, b| a.0.total_cmp(&b.0));
+    let Some((_, freedom, k)) = best else { return Ok(None) };
+    let (candidate, alone, _) = &partners[k].variants[0];
     let own =
         Side { candidate: &competitor.candidate, columns: &competitor.columns, freedom: competitor.freedom };
-    let other = Side { candidate: &candidate, columns: &columns, freedom };
+    let other = Side { candidate, columns: columns[k], freedom };
     let score = pair_score(linearisation, screen, visits, [own, other])?;
-    Ok(Some(Partner { candidate, score, leads: alone > competitor.gain }))
+    Ok(Some(Partner { candidate: candidate.clone(), score, leads: *alone > competitor.gain }))
 }
 
 /// The position of the competitor that comes first, of competitors that were joined with their partners.

@@ -125,7 +125,8 @@ fn a_leader_that_no_good_pair_needs_gives_way() {
         let visits = Visits::of(linearisation.data);
         let causes = screen.causes(linearisation);
         let first = |competitors: &mut [Competitor]| {
-            look_ahead::join(linearisation, screen, &visits, competitors, &causes).unwrap();
+            look_ahead::join(linearisation, screen, &visits, competitors, &causes.iter().collect::<Vec<_>>())
+                .unwrap();
             look_ahead::first(competitors, linearisation.policy)
         };
         // The joint that is not off leads a list in which both others are.

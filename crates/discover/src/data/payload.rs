@@ -25,6 +25,12 @@ pub(crate) fn changed(
     Some(Conditions { load, ..conditions.clone() })
 }
 
+/// Whether conditions declare this level (kg) in this stretch.
+pub(crate) fn declares(conditions: &Conditions, (level, during): (f64, Stretch)) -> bool {
+    let same = LoadCorrection { declared: level, carried: level, during };
+    same.apply(conditions.load, conditions.time).is_some()
+}
+
 /// The same data with another mass (kg) in the rows that declare this level (kg) in this stretch.
 pub(crate) fn corrected(data: &Dataset, (level, during): (f64, Stretch), mass: f64) -> Dataset {
     let mut data = data.clone();

@@ -67,7 +67,7 @@ impl Emitted {
         let mut all = fitted.effects().to_vec();
         all.extend(effects.cloned());
         let own = [fitted.effects().len(), fitted.columns().len()];
-        let model = ErrorModel::new(fitted.chain().clone(), all)?;
+        let model = ErrorModel::new(fitted.shared_chain(), all)?;
         let mut coefficients = fit.fitted.coefficients().to_vec();
         coefficients.resize(model.columns().len(), 0.0);
         Ok(Emitted { model, coefficients, own })

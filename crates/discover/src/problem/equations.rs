@@ -21,6 +21,7 @@ use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use std::ops::Range;
 
 /// Whitened rows of `[A | X | y]`, with their Gram matrix.
+#[derive(Clone)]
 pub(crate) struct Equations {
     white: DMatrix<f64>,
     gram: DMatrix<f64>,

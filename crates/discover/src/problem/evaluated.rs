@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use std::ops::Range;
 use std::sync::Arc;
 use truepose_errormodel::{AnyEffect, Dataset, Emission, ErrorModel};
-use truepose_kinematics::{Chain, Conditions, PostureBuffer};
+use truepose_kinematics::{Conditions, PostureBuffer};
 
 /// Where the robot stood while some targets of one visit were measured: everything that an effect can depend on.
 #[derive(Debug, Clone)]
@@ -26,7 +26,6 @@ pub(crate) type Entry = (usize, usize, f64);
 
 /// Effects, asked at every station.
 pub(crate) struct Evaluated<'s> {
-    chain: &'s Chain,
     stations: &'s [Station],
     /// The data with the derived channels that these effects read: those of the linearisation, then their own.
     inputs: Cow<'s, Dataset>,
@@ -35,14 +34,14 @@ pub(crate) struct Evaluated<'s> {
 }
 
 impl<'s> Evaluated<'s> {
-    /// Effects at the stations of a linearisation; `inputs` are its data with the derived channels of its model.
+    /// Effects at the stations of a linearisation at a fitted model; `inputs` are its data with the derived channels of its model.
     pub fn new(
-        (chain, stations, inputs): (&'s Chain, &'s [Station], &'s Dataset),
+        (fitted, stations, inputs): (&ErrorModel, &'s [Station], &'s Dataset),
         effects: &[Box<dyn AnyEffect>],
     ) -> Result<Self, DiscoverError> {
-        let model = ErrorModel::new(chain.clone(), effects.to_vec())?;
+        let model = ErrorModel::new(fitted.shared_chain(), effects.to_vec())?;
         let scales = model.columns().iter().map(|column| column.scale).collect();
-        Ok(Evaluated { chain, stations, inputs: inputs.derived_for(&model)?, model, scales })
+        Ok(Evaluated { stations, inputs: inputs.derived_for(&model)?, model, scales })
     }
 
     /// How many unknowns there are.
@@ -56,7 +55,7 @@ impl<'s> Evaluated<'s> {
         stations: impl Iterator<Item = usize>,
         each: &mut dyn FnMut(usize, &[Entry]),
     ) -> Result<(), DiscoverError> {
-        let chain = self.chain;
+        let chain = self.model.chain();
         let bound = self.model.bind(&self.inputs.schema)?;
         let mut emission = Emission::new();
         let mut entries = Vec::new();

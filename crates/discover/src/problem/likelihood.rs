@@ -28,6 +28,7 @@ use truepose_errormodel::Visits;
 use truepose_identify::{Folds, Freedom, NoiseModel, estimate_noise};
 
 /// A model with a candidate's columns, fitted by generalized least squares.
+#[derive(Clone)]
 pub(crate) struct Likelihood {
     /// −2 ln L.
     pub deviance: f64,

@@ -12,17 +12,19 @@
 //! robot carries, else at the nominal one.
 
 use crate::budget::Budget;
+use crate::data::payload::Stretch;
 use crate::error::DiscoverError;
 use crate::hypotheses::candidate::Candidate;
 use crate::hypotheses::change::Change;
 use crate::options::DiscoverOptions;
 use crate::policy::Policy;
 use crate::problem::evaluated::{Evaluated, Station};
+use crate::problem::loads::Loads;
 use crate::problem::noise::{Levers, Noise};
 use crate::problem::normal::Normal;
 use crate::problem::observation::{Observation, typical_sd};
 use crate::problem::whitening::Whitener;
-use nalgebra::{DMatrix, DVector, Vector3};
+use nalgebra::{DMatrix, DVector};
 use std::any::Any;
 use std::borrow::Cow;
 use std::ops::Range;
@@ -62,6 +64,7 @@ pub(crate) struct Linearisation<'a> {
     levers: OnceLock<Levers>,
     /// What others keep beside it.
     kept: Kept,
+    loads: Loads,
 }
 
 impl<'a> Linearisation<'a> {
@@ -97,6 +100,7 @@ impl<'a> Linearisation<'a> {
             normal: OnceLock::new(),
             levers: OnceLock::new(),
             kept: Kept::new(),
+            loads: Loads::default(),
         };
         let (mut flat, mut y) = (Vec::new(), Vec::new());
         let mut rest = Equilibrium::of_rows(model, &inputs, fit.fitted.coefficients())?;
@@ -264,6 +268,7 @@ impl<'a> Linearisation<'a> {
         self.base = self.base.remove_columns_at(&out);
         self.prior = self.prior.map(|prior| prior.remove_columns_at(&out).remove_rows_at(&out));
         self.muted = muted;
+        self.loads = Loads::default();
         self.normal = OnceLock::new();
         self.kept = Kept::new();
         Some(self)
@@ -298,6 +303,24 @@ impl<'a> Linearisation<'a> {
         self.base.ncols() - self.wander..self.base.ncols()
     }
 
+    /// The present model with its coefficients, those of muted effects zero.
+    pub fn present(&self) -> Result<FittedModel, DiscoverError> {
+        let mut coefficients = self.fit.fitted.coefficients().to_vec();
+        coefficients[self.muted.clone()].fill(0.0);
+        let model = self.fit.fitted.model().clone();
+        Ok(FittedModel::new(model, coefficients, self.fit.fitted.covariance().clone())?)
+    }
+
+    /// The data with the derived channels of the present model.
+    pub fn inputs(&self) -> &Dataset {
+        &self.inputs
+    }
+
+    /// What another kilogram at one declared level of payload, in a stretch of time, would do ([`Loads`]).
+    pub fn heavier(&self, level: f64, during: Stretch) -> Result<DMatrix<f64>, DiscoverError> {
+        self.loads.heavier(self, level, during)
+    }
+
     /// Where the robot stood, visit by visit.
     pub fn stations(&self) -> &[Station] {
         &self.stations
@@ -315,7 +338,7 @@ impl<'a> Linearisation<'a> {
 
     /// What these effects say, their unknowns side by side.
     pub fn evaluate(&self, effects: &[Box<dyn AnyEffect>]) -> Result<Evaluated<'_>, DiscoverError> {
-        Evaluated::new((self.chain(), &self.stations, &self.inputs), effects)
+        Evaluated::new((self.fit.fitted.model(), &self.stations, &self.inputs), effects)
     }
 
     /// What effects' unknowns do to every measured number, in m or rad per expected size; m × k.
@@ -341,41 +364,6 @@ impl<'a> Linearisation<'a> {
             // Rows that are kept out have no coefficient.
             Change::Exclude { .. } => Ok(DMatrix::zeros(self.len(), 0)),
         }
-    }
-
-    /// What another kilogram at one declared level of payload, in a stretch of time, would do, through the compliances of the present model:
-    /// a difference of predictions, m or rad per kg; m × 1.
-    pub fn heavier(&self, level: f64, during: Option<[f64; 2]>) -> Result<DMatrix<f64>, DiscoverError> {
-        const STEP: f64 = 1e-2;
-        let mut coefficients = self.fit.fitted.coefficients().to_vec();
-        coefficients[self.muted.clone()].fill(0.0);
-        let model = self.fit.fitted.model().clone();
-        let fitted = FittedModel::new(model, coefficients, self.fit.fitted.covariance().clone())?;
-        let mut predictor = fitted.bind(&self.inputs.schema)?;
-        let mut column = DMatrix::zeros(self.len(), 1);
-        for station in &self.stations {
-            let Some(changed) =
-                crate::data::payload::changed(&station.conditions, (level, during), level + STEP)
-            else {
-                continue;
-            };
-            let mut at = station.observations.start;
-            for row in self.observations[station.observations.clone()].chunk_by(|a, b| a.row == b.row) {
-                let aim = self.data.aim(row[0].row);
-                let before = predictor.predict(&station.conditions, aim);
-                let after = predictor.predict(&changed, aim);
-                let moved = (after.translation - before.translation) / STEP;
-                let moved =
-                    self.data.ray(row[0].row).map_or(moved, |w| Vector3::new(w.dot(&moved), 0.0, 0.0));
-                let turned = rotation_log(&(after.rotation * before.rotation.transpose())) / STEP;
-                for o in row {
-                    column[(at, 0)] =
-                        if o.component < 3 { moved[o.component] } else { turned[o.component - 3] };
-                    at += 1;
-                }
-            }
-        }
-        Ok(column)
     }
 
     /// The sites that a joint's own motion touches, with the share of each.

@@ -15,6 +15,7 @@
 
 pub(crate) mod anchor;
 pub(crate) mod autocorrelation;
+pub(crate) mod basis;
 #[cfg(test)]
 pub(crate) mod dense;
 pub(crate) mod dependence;
@@ -29,6 +30,7 @@ mod joint_noise_tests;
 pub(crate) mod likelihood;
 pub(crate) mod linear;
 pub(crate) mod linearisation;
+pub(crate) mod loads;
 pub(crate) mod noise;
 pub(crate) mod normal;
 pub(crate) mod observation;

@@ -14,13 +14,15 @@
 use crate::error::DiscoverError;
 use crate::hypotheses::candidate::Candidate;
 use crate::hypotheses::change::Change;
+use crate::problem::basis::basis;
 use crate::problem::linearisation::Linearisation;
 use crate::problem::noise::Noise;
 use crate::problem::tables::{Sums, Tables};
 use crate::problem::whitening::Whitener;
 use crate::statistics::beta::surprisal;
 use crate::statistics::product::{cross, gram_matrix, orthonormal, orthonormal_again, product};
-use nalgebra::{DMatrix, DVector, Dyn, Matrix, Scalar, Storage, SymmetricEigen};
+use nalgebra::{DMatrix, DVector, Dyn, Matrix, Scalar, Storage};
+use std::sync::OnceLock;
 use truepose_solvers::kernels::symmetric_eigen;
 
 /// The present model, projected out.
@@ -40,7 +42,7 @@ pub(crate) struct Projection {
     pub freedom: usize,
     /// For each of the last columns of Q_1, of directions that the prior holds as much as the data: its length in the prior's rows.
     pub held: Vec<f64>,
-    pub tables: Tables,
+    tables: OnceLock<Tables>,
 }
 
 /// Whitened columns of a candidate, m × k, with what is needed of them to ask for its gain beside others, again and again.
@@ -87,7 +89,6 @@ impl Projection {
         let first = q.ncols() - held.len();
         let in_prior: f64 = held.iter().enumerate().map(|(k, h)| (h * along[first + k]).powi(2)).sum();
         let rss = residual.norm_squared() + in_prior;
-        let tables = Tables::new(linearisation, &whitener, &residual);
         let freedom = linearisation.len().saturating_sub(first);
         Projection {
             absorbed: linearisation.policy.absorbed,
@@ -98,8 +99,13 @@ impl Projection {
             rss,
             freedom,
             held,
-            tables,
+            tables: OnceLock::new(),
         }
+    }
+
+    /// What an error at a site does, visit by visit, under the noise of this projection.
+    pub fn tables(&self, linearisation: &Linearisation<'_>) -> &Tables {
+        self.tables.get_or_init(|| Tables::new(linearisation, &self.whitener, &self.residual))
     }
 
     /// With further raw columns (m × k) in the present model; none when nothing of them is left.
@@ -115,7 +121,7 @@ impl Projection {
             rss: self.rss - explained.norm_squared(),
             freedom: self.freedom.saturating_sub(k),
             held: self.held.clone(),
-            tables: self.tables.with(&residual),
+            tables: self.tables.get().map_or_else(OnceLock::new, |known| known.with(&residual).into()),
             q,
             y: self.y.clone(),
             residual,
@@ -140,16 +146,11 @@ impl Projection {
         Some((x - product(&self.q, &along)) * basis)
     }
 
-    /// Candidates to be asked for their gains beside others.
-    pub fn accumulate(
-        &self,
-        linearisation: &Linearisation<'_>,
-        candidates: &[&Candidate],
-    ) -> Result<Vec<Accumulated>, DiscoverError> {
-        let columns = candidates.iter().map(|candidate| self.columns(linearisation, candidate));
-        let columns = columns.collect::<Result<Vec<_>, _>>()?;
+    /// Candidates of these raw columns (m × k), whose gains beside others are to be found.
+    pub fn accumulate<'c>(&self, candidates: impl IntoIterator<Item = &'c DMatrix<f64>>) -> Vec<Accumulated> {
+        let columns: Vec<_> = candidates.into_iter().map(|raw| self.whitener.of(raw)).collect();
         let sums = self.sums_of(&columns);
-        Ok(columns.into_iter().zip(sums).map(|(columns, sums)| Accumulated { columns, sums }).collect())
+        columns.into_iter().zip(sums).map(|(columns, sums)| Accumulated { columns, sums }).collect()
     }
 
     /// Whitened columns of a candidate, m × k, with Φ of each visit's first row.
@@ -163,8 +164,9 @@ impl Projection {
         };
         let evaluated = linearisation.evaluate(effects)?;
         let mut columns = DMatrix::zeros(self.len(), evaluated.width());
-        let stations = self.tables.stations.iter().copied();
-        evaluated.each(stations, &mut |visit, entries| self.tables.put(visit, entries, &mut columns))?;
+        let tables = self.tables(linearisation);
+        let stations = tables.stations.iter().copied();
+        evaluated.each(stations, &mut |visit, entries| tables.put(visit, entries, &mut columns))?;
         Ok(columns)
     }
 
@@ -339,36 +341,6 @@ fn without_prior(columns: &DMatrix<f64>, prior: &DMatrix<f64>) -> Option<DMatrix
     Some(scaled)
 }
 
-/// ‖X‖² of a whitened column below which it is rounding: a hundred expected sizes of it move all observations together by less than a
-/// ten-thousandth of their noise. The load of an upright axis is such a column, and its powers leave the range of single precision.
-const NOTHING: f64 = 1e-12;
-
-/// T with `Tᵀ (left) T = 1`, over directions of which enough is left.
-pub(crate) fn basis(raw: &DMatrix<f64>, left: &DMatrix<f64>, absorbed: f64) -> Option<DMatrix<f64>> {
-    let scale: Vec<f64> =
-        raw.diagonal().iter().map(|&v| if v > NOTHING { 1.0 / v.sqrt() } else { 0.0 }).collect();
-    scale.first()?;
-    let k = scale.len();
-    if k == 1 {
-        let share = left[(0, 0)] * scale[0] * scale[0];
-        return (share > absorbed).then(|| DMatrix::from_element(1, 1, scale[0] / share.sqrt()));
-    }
-    let scaled = DMatrix::from_fn(k, k, |i, j| left[(i, j)] * scale[i] * scale[j]);
-    let eigen = SymmetricEigen::new(scaled);
-    let kept: Vec<usize> = (0..k).filter(|&i| eigen.eigenvalues[i] > absorbed).collect();
-    if kept.is_empty() {
-        return None;
-    }
-    let mut basis = eigen.eigenvectors.select_columns(&kept);
-    for (column, &i) in kept.iter().enumerate() {
-        let length = eigen.eigenvalues[i].sqrt();
-        for row in 0..k {
-            basis[(row, column)] *= scale[row] / length;
-        }
-    }
-    Some(basis)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -385,16 +357,5 @@ mod tests {
             assert!((found - &columns * prior.clone().try_inverse().unwrap()).amax() < 1e-14, "{together}");
         }
         assert!(without_prior(&columns, &DMatrix::zeros(6, 6)).is_none());
-    }
-
-    #[test]
-    fn a_column_of_rounding_is_no_direction() {
-        // What the square of the load of an upright axis is, in double precision; its square is nothing in single precision.
-        let raw = DMatrix::from_diagonal(&DVector::from_row_slice(&[1e-40, 4.0]));
-        let found = basis(&raw, &raw, 1e-3).unwrap();
-        assert_eq!(found.ncols(), 1);
-        assert!(found[(0, 0)].abs() < 1e-12 && (found[(1, 0)].abs() - 0.5).abs() < 1e-12, "{found}");
-        let alone = raw.view((0, 0), (1, 1)).into_owned();
-        assert!(basis(&alone, &alone, 1e-3).is_none());
     }
 }

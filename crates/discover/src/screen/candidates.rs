@@ -18,7 +18,7 @@ use crate::significance::rotation::{Largest, NullDistribution, Rotations};
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 use std::collections::{BTreeMap, HashMap};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 use truepose_errormodel::AnyEffect;
 
 /// How many separate questions were asked of each family.
@@ -41,6 +41,21 @@ pub(crate) struct Cause {
     pub place: Place,
     /// (candidate, gain, freedom), by gain less the price of its unknowns.
     pub variants: Vec<(Candidate, f64, usize)>,
+    /// Raw columns (m × k) of the best variant, once they are needed.
+    columns: OnceLock<DMatrix<f64>>,
+}
+
+impl Cause {
+    /// Raw columns of the best variant, m × k.
+    pub fn columns(&self, linearisation: &Linearisation<'_>) -> Result<&DMatrix<f64>, DiscoverError> {
+        match self.columns.get() {
+            Some(known) => Ok(known),
+            None => {
+                let columns = linearisation.columns_of(&self.variants[0].0)?;
+                Ok(self.columns.get_or_init(|| columns))
+            }
+        }
+    }
 }
 
 /// Whether a candidate asks for a load that stands in the data because it was corrected.
@@ -171,7 +186,7 @@ impl Screen {
         seed: u64,
     ) -> Result<NullDistribution, DiscoverError> {
         let rotations = Rotations::new(&self.projection, rotations, seed);
-        let tables = &self.projection.tables;
+        let tables = self.projection.tables(linearisation);
         let at = tables.at_sites(&rotations.directions);
         let functions = self.functions.as_ref();
         let mut largest = functions.map_or_else(
@@ -215,7 +230,7 @@ impl Screen {
         let mut put = |candidate: Candidate, gain: f64, freedom: usize| {
             let at = *known.entry(candidate.words()).or_insert_with(|| {
                 let (family, place) = (candidate.family, candidate.place.clone());
-                causes.push(Cause { family, place, variants: Vec::new() });
+                causes.push(Cause { family, place, variants: Vec::new(), columns: OnceLock::new() });
                 causes.len() - 1
             });
             causes[at].variants.push((candidate, gain, freedom));

@@ -6,6 +6,7 @@ use crate::hypotheses::candidate::Candidate;
 use crate::hypotheses::series::{Series, functions, series};
 use crate::problem::linearisation::Linearisation;
 use crate::problem::projection::{Projection, Score};
+use crate::problem::tables::UnitResponse;
 use crate::screen::screened::Screened;
 use crate::significance::rotation::{Largest, Rotations};
 use nalgebra::{DMatrix, DVector};
@@ -28,12 +29,19 @@ pub(crate) struct Functions {
     effects: Vec<Box<dyn AnyEffect>>,
 }
 
-/// Scores of one set of functions at one frame.
+/// Scores of one set of functions at one frame, of the components that a candidate has.
 struct AtFrame {
     /// At each component alone.
     single: [Option<Score>; 6],
-    /// At all of them together, where that was asked for.
+    /// At all of them together.
     all: Option<Option<Score>>,
+}
+
+/// At which components of a frame the candidates have a set of functions.
+#[derive(Debug, Clone, Copy, Default)]
+struct Wanted {
+    single: [bool; 6],
+    all: bool,
 }
 
 impl Functions {
@@ -43,87 +51,84 @@ impl Functions {
         projection: &Projection,
         candidates: &[Candidate],
     ) -> Result<Self, DiscoverError> {
+        let chain = linearisation.chain();
+        let frames: Vec<FrameId> = chain.frames().collect();
         let mut sets: Vec<(Vec<Factor>, Range<usize>)> = Vec::new();
-        // At which frames all components are asked for together.
-        let mut together: Vec<Vec<FrameId>> = Vec::new();
         let mut effects: Vec<Box<dyn AnyEffect>> = Vec::new();
+        // By set, then by frame.
+        let mut wanted: Vec<Vec<Wanted>> = Vec::new();
         let mut width = 0;
         for Series { factors, frame, components } in candidates.iter().filter_map(series) {
             let known = position(&sets, factors);
             let set = known.unwrap_or(sets.len());
             if known.is_none() {
                 let one = functions(factors);
-                let count = one.columns(linearisation.chain()).len();
+                let count = one.columns(chain).len();
                 sets.push((factors.to_vec(), width..width + count));
-                together.push(Vec::new());
+                wanted.push(vec![Wanted::default(); frames.len()]);
                 effects.push(one);
                 width += count;
             }
-            if components.len() > 1 {
-                together[set].push(frame);
+            let Some(at) = frames.iter().position(|&known| known == frame) else { continue };
+            match components {
+                [axis] => wanted[set][at].single[index(*axis)] = true,
+                _ => wanted[set][at].all = true,
             }
         }
-        let values = evaluated(linearisation, &effects, &projection.tables.stations)?;
-        let frames: Vec<FrameId> = linearisation.chain().frames().collect();
+        let tables = projection.tables(linearisation);
+        let values = evaluated(linearisation, &effects, &tables.stations)?;
         // The functions are those of a displacement of the base: a rotation's expected size is that over the length of the robot.
-        let length = linearisation.chain().characteristic_length();
-        let turned = |axis: Axis| if axis.is_rotation() { 1.0 / length } else { 1.0 };
-        let scores = frames
-            .into_par_iter()
-            .map(|frame| {
-                let sites = Axis::ALL.map(|axis| linearisation.chain().site_index(Site::Frame(frame, axis)));
-                let unit_response: [_; 6] = std::array::from_fn(|k| {
-                    projection.tables.unit_response(&projection.q, &[(sites[k], turned(Axis::ALL[k]))])
-                });
-                let through = unit_response.each_ref().map(|unit_response| unit_response.through(&values));
-                let part =
-                    |m: &DMatrix<f64>, own: &Range<usize>| m.columns(own.start, own.len()).into_owned();
-                sets.iter()
-                    .zip(&together)
-                    .map(|((_, own), together)| {
-                        let functions = part(&values, own);
-                        let single = std::array::from_fn(|k| {
-                            let raw = unit_response[k].products(&functions);
-                            let score = through[k].1.rows(own.start, own.len()).into_owned();
-                            let score = projection.judged(&raw, &part(&through[k].0, own), &score);
-                            score.map(|score| of_functions(score, &[turned(Axis::ALL[k])]))
-                        });
-                        let all = together.contains(&frame).then(|| {
-                            let each = Axis::ALL.map(turned);
-                            let mut raw = projection.tables.products(&sites, &functions);
-                            for (at, value) in raw.iter_mut().enumerate() {
-                                let (row, column) = (at % (6 * own.len()), at / (6 * own.len()));
-                                *value *= each[row / own.len()] * each[column / own.len()];
-                            }
-                            let side_by_side = |parts: [&DMatrix<f64>; 6]| {
-                                let columns: Vec<_> = parts
-                                    .iter()
-                                    .flat_map(|m| {
-                                        m.columns(own.start, own.len())
-                                            .column_iter()
-                                            .map(|c| c.into_owned())
-                                            .collect::<Vec<_>>()
-                                    })
-                                    .collect();
-                                DMatrix::from_columns(&columns)
-                            };
-                            let along = side_by_side(through.each_ref().map(|t| &t.0));
-                            let score = through.iter().flat_map(|t| {
-                                t.1.rows(own.start, own.len()).iter().copied().collect::<Vec<_>>()
-                            });
-                            let score = DVector::from_iterator(6 * own.len(), score);
-                            let score = projection.judged(&raw, &along, &score);
-                            score.map(|score| of_functions(score, &each))
-                        });
-                        AtFrame { single, all }
-                    })
-                    .collect()
-            })
+        let length = chain.characteristic_length();
+        let turned = Axis::ALL.map(|axis| if axis.is_rotation() { 1.0 / length } else { 1.0 });
+        let sites: Vec<[usize; 6]> = frames
+            .iter()
+            .map(|&frame| Axis::ALL.map(|axis| chain.site_index(Site::Frame(frame, axis))))
             .collect();
-        let sites = linearisation
-            .chain()
-            .frames()
-            .map(|frame| Axis::ALL.map(|axis| linearisation.chain().site_index(Site::Frame(frame, axis))))
+        let scores = sites
+            .par_iter()
+            .enumerate()
+            .map(|(at, sites)| {
+                let of_frame = || wanted.iter().map(|by_frame| &by_frame[at]);
+                // Unit responses of the components that a candidate has, with the products of all functions.
+                let unit: [Option<(UnitResponse, (DMatrix<f64>, DVector<f64>))>; 6] =
+                    std::array::from_fn(|k| {
+                        of_frame().any(|wanted| wanted.all || wanted.single[k]).then(|| {
+                            let response = tables.unit_response(&projection.q, &[(sites[k], turned[k])]);
+                            let through = response.through(&values);
+                            (response, through)
+                        })
+                    });
+                let score = |own: &Range<usize>, wanted: &Wanted| {
+                    let (first, count) = (own.start, own.len());
+                    let single = std::array::from_fn(|k| {
+                        let (response, (along, score)) = unit[k].as_ref().filter(|_| wanted.single[k])?;
+                        let raw = response.products(&values.columns(first, count));
+                        let score = score.rows(first, count).into_owned();
+                        let score = projection.judged(&raw, &along.columns(first, count), &score)?;
+                        Some(of_functions(score, &[turned[k]]))
+                    });
+                    let all = wanted.all.then(|| {
+                        let functions = values.columns(first, count).into_owned();
+                        let mut raw = tables.products(sites, &functions);
+                        for (at, value) in raw.iter_mut().enumerate() {
+                            let (row, column) = (at % (6 * count), at / (6 * count));
+                            *value *= turned[row / count] * turned[column / count];
+                        }
+                        let mut along = DMatrix::zeros(projection.q.ncols(), 6 * count);
+                        let mut score = DVector::zeros(6 * count);
+                        for (k, (_, (all, scores))) in
+                            unit.iter().enumerate().filter_map(|(k, u)| Some((k, u.as_ref()?)))
+                        {
+                            along.columns_mut(k * count, count).copy_from(&all.columns(first, count));
+                            score.rows_mut(k * count, count).copy_from(&scores.rows(first, count));
+                        }
+                        let score = projection.judged(&raw, &along, &score)?;
+                        Some(of_functions(score, &turned))
+                    });
+                    AtFrame { single, all }
+                };
+                sets.iter().zip(of_frame()).map(|((_, own), wanted)| score(own, wanted)).collect()
+            })
             .collect();
         Ok(Functions { sets, scores, sites, values: values.map(|v| v as f32), effects })
     }
@@ -206,7 +211,7 @@ impl Functions {
         let set = position(&self.sets, factors)?;
         let at = linearisation.chain().frames().position(|known| known == frame)?;
         match components {
-            [axis] => Some((at, set, Some(Axis::ALL.iter().position(|known| known == axis)?))),
+            [axis] => Some((at, set, Some(index(*axis)))),
             _ => self.scores[at][set].all.as_ref().map(|_| (at, set, None)),
         }
     }
@@ -218,7 +223,7 @@ impl Functions {
         let at = linearisation.chain().frames().position(|known| known == frame)?;
         let scores = &self.scores[at][set];
         match components {
-            [axis] => Some(scores.single[Axis::ALL.iter().position(|known| known == axis)?].clone()),
+            [axis] => Some(scores.single[index(*axis)].clone()),
             _ => scores.all.clone(),
         }
     }
@@ -259,6 +264,11 @@ fn of_functions(mut score: Score, factors: &[f64]) -> Score {
         entries.scale_mut(factors[row / each] as f32);
     }
     score
+}
+
+/// Number of an axis among the components of a frame.
+fn index(axis: Axis) -> usize {
+    Axis::ALL.iter().position(|&known| known == axis).unwrap_or_default()
 }
 
 /// Candidates that differ only in their site follow each other closely.

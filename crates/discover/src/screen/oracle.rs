@@ -55,7 +55,7 @@ fn functions_and_periods_score_as_whole_matrices_do() {
 
     let candidates = Library::standard().candidates(&chain, &data);
     let functions = Functions::new(&linearisation, &projection, &candidates).unwrap();
-    let scores = through(&functions, &linearisation, &projection.tables);
+    let scores = through(&functions, &linearisation, projection.tables(&linearisation));
     let mut compared = 0;
     for candidate in candidates.iter().step_by(5) {
         let Some(fast) = functions.score(&linearisation, candidate) else { continue };

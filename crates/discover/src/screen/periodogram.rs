@@ -59,8 +59,8 @@ pub(crate) fn scan(
     periods: &[f64],
 ) -> Option<Periodogram> {
     let shares = linearisation.motion(joint)?;
-    let response = projection.tables.unit_response(&projection.q, &shares);
-    let stations = projection.tables.stations.iter();
+    let response = projection.tables(linearisation).unit_response(&projection.q, &shares);
+    let stations = projection.tables(linearisation).stations.iter();
     let values: Vec<f64> = stations.map(|&at| linearisation.joint_at(at, joint)).collect::<Option<_>>()?;
     if periods.is_empty() || response.square.iter().sum::<f64>() <= 0.0 {
         return None;

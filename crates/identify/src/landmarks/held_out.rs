@@ -105,7 +105,7 @@ fn with_scale(known: &Fit, landmarks: &Landmarks, rows: &Dataset) -> Result<Erro
         Some(_) => effect.replaced(Box::new(held.clone())),
         None => effect.clone(),
     });
-    Ok(ErrorModel::new(model.chain().clone(), effects.collect())?)
+    Ok(ErrorModel::new(model.shared_chain(), effects.collect())?)
 }
 
 /// Residuals of the rows of a sensor, its own unknowns being fitted to them: nothing else knows these.

@@ -47,7 +47,7 @@ pub fn grouped<'m>(
             false => Box::new(Term::new(grouped).bounded(bounds)?),
         });
     }
-    Ok(Cow::Owned(ErrorModel::new(model.chain().clone(), effects)?))
+    Ok(Cow::Owned(ErrorModel::new(model.shared_chain(), effects)?))
 }
 
 fn with_groups(
@@ -62,7 +62,7 @@ fn with_groups(
         frames: Some(frames.into_iter().map(Where::Frame).collect()),
         components: polynomial.components.clone(),
     };
-    let constants = ErrorModel::new(model.chain().clone(), vec![Box::new(constants)])?;
+    let constants = ErrorModel::new(model.shared_chain(), vec![Box::new(constants)])?;
     let zero = vec![0.0; constants.columns().len()];
     let factor = factorise(&constants, data, &Visits::of(data), NoiseModel::default(), &zero, None)?;
     let reduction = reduce(&constants, data, &factor, rule, &zero)?;

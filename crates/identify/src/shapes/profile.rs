@@ -46,7 +46,7 @@ pub(crate) fn fit(
     let trial = Trial::new(model, &free)?;
     let rest: Vec<Box<dyn AnyEffect>> =
         model.effects().iter().filter(|effect| effect.shape().is_empty()).cloned().collect();
-    let rest = ErrorModel::new(model.chain().clone(), rest)?;
+    let rest = ErrorModel::new(model.shared_chain(), rest)?;
     let base = if rest.columns().is_empty() {
         None
     } else {
@@ -103,5 +103,5 @@ fn with(
         Some(values) => effect.with_nonlinear(values),
         None => effect.clone(),
     });
-    Ok(ErrorModel::new(model.chain().clone(), effects.collect())?)
+    Ok(ErrorModel::new(model.shared_chain(), effects.collect())?)
 }
