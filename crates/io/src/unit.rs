@@ -73,7 +73,7 @@ const fn unit(word: &'static str, quantity: Quantity, multiply: f64, divide: f64
     Unit { word, quantity, multiply, divide, offset }
 }
 
-static UNITS: [Unit; 21] = [
+static UNITS: [Unit; 24] = [
     unit("m", Quantity::Length, 1.0, 1.0, 0.0),
     unit("mm", Quantity::Length, 1.0, 1e3, 0.0),
     unit("um", Quantity::Length, 1.0, 1e6, 0.0),
@@ -88,6 +88,9 @@ static UNITS: [Unit; 21] = [
     unit("kg", Quantity::Mass, 1.0, 1.0, 0.0),
     unit("lb", Quantity::Mass, 0.453_592_37, 1.0, 0.0),
     unit("s", Quantity::Time, 1.0, 1.0, 0.0),
+    unit("ms", Quantity::Time, 1.0, 1e3, 0.0),
+    unit("us", Quantity::Time, 1.0, 1e6, 0.0),
+    unit("ns", Quantity::Time, 1.0, 1e9, 0.0),
     unit("min", Quantity::Time, 60.0, 1.0, 0.0),
     unit("h", Quantity::Time, 3600.0, 1.0, 0.0),
     unit("degC", Quantity::Temperature, 1.0, 1.0, 0.0),

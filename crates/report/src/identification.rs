@@ -9,7 +9,8 @@ pub use nonlinear_parameter::NonlinearParameterSummary;
 use self::limit::limit;
 use crate::largest::{LargestError, largest_errors};
 use crate::{
-    DataCheck, LandmarksSummary, OrientationStatistics, PositionStatistics, advice_text, warning_text,
+    DataCheck, LandmarksSummary, OrientationStatistics, ParameterSummary, PositionStatistics, advice_text,
+    warning_text,
 };
 use serde::Serialize;
 use truepose_errormodel::{Dataset, Visits, configurations};
@@ -122,6 +123,9 @@ pub struct PlacementSummary {
     pub rms_mm: f64,
     /// What the data does not determine, and what would.
     pub undetermined: Vec<String>,
+    /// Where they are, in the units of the robot file; the JSON has it among the parameters.
+    #[serde(skip)]
+    pub places: Vec<ParameterSummary>,
 }
 
 /// Repeatability from repeated pose measurements.
@@ -331,6 +335,7 @@ fn placement(found: &Identification) -> Option<PlacementSummary> {
             .iter()
             .map(|u| format!("{} not determined: {}", u.what, u.advice))
             .collect(),
+        places: Vec::new(),
     })
 }
 

@@ -13,6 +13,9 @@ pub struct ParametersSummary {
     pub absent: Option<String>,
     /// Families of the effects that constant parameters cannot carry; the table is the projection of the whole model.
     pub left_out: Vec<String>,
+    /// Whether joints that are described by rows of Denavit and Hartenberg are given by origins, since no rows describe the fitted robot.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub by_origins: bool,
     /// Base, joints, tool and targets, in this order.
     pub parameters: Vec<ParameterSummary>,
     /// What has to be added to the reading of each joint, in degrees or mm: effective values, with what the joints yield on average.
@@ -110,6 +113,29 @@ impl ParameterSummary {
         ]
     }
 
+    /// Poses and points, a line each: value ± half width of the 95 % interval.
+    pub(crate) fn as_places(numbers: &[Self]) -> String {
+        let lines: Vec<&[Self]> = numbers.chunk_by(|a, b| a.part == b.part).collect();
+        let Some(longest) = lines.iter().max_by_key(|line| line.len()) else { return String::new() };
+        let heads = longest.iter().map(|number| format!("{}, {}", number.parameter, number.unit));
+        let head: Vec<String> = std::iter::once(String::new()).chain(heads).collect();
+        let cell = |number: &Self| {
+            let [.., value, half] = number.cells();
+            if number.half_width_95.is_some() {
+                format!("{value} ± {half}")
+            } else {
+                format!("{value} ({})", number.remark)
+            }
+        };
+        let row = |line: &&[Self]| {
+            let cells = std::iter::once(line[0].part.clone()).chain(line.iter().map(cell));
+            cells.chain(std::iter::repeat(String::new())).take(head.len()).collect()
+        };
+        let sides: Vec<_> = std::iter::once(Left).chain(longest.iter().map(|_| Right)).collect();
+        let head: Vec<&str> = head.iter().map(String::as_str).collect();
+        table(&head, &sides, &lines.iter().map(row).collect::<Vec<_>>())
+    }
+
     fn row(&self) -> Vec<String> {
         let [nominal, delta, calibrated, half] = self.cells();
         let part = vec![self.part.clone(), self.parameter.clone(), self.unit.clone()];
@@ -126,6 +152,11 @@ impl ParametersSummary {
         ["joint", "effective", "zero itself", "± 95 %", "difference", "± 95 %", "unit"];
     pub(crate) const OF_OFFSETS: &'static str = "Effective zero offsets of the joints, added to the reading of each; valid together with the parameters above, and not for mastering";
     pub(crate) const OF_APART: &'static str = "Zero offsets apart: the zero of each joint itself, and what the other effects of the model add to it on average over the poses of the fit";
+
+    /// Base, tool and targets that were found, by their words.
+    pub fn found(&self, words: &[String]) -> Vec<ParameterSummary> {
+        self.parameters.iter().filter(|row| words.contains(&row.part)).cloned().collect()
+    }
 
     /// Rows of the table.
     pub(crate) fn rows(&self) -> Vec<Vec<String>> {
@@ -162,11 +193,14 @@ impl ParametersSummary {
     pub(crate) fn note(&self) -> String {
         const FRAMES: &str = "Rows of the base: its place in the measurement frame; of joints: as in the robot file; of the tool: its place on the flange; \
                               of targets: in the tool's axes.";
+        const ORIGINS: &str = " No rows of Denavit and Hartenberg describe the fitted robot: its joints are given by their origins at zero, each in the frame of \
+                               the one before, with z as the axis.";
+        let origins = if self.by_origins { ORIGINS } else { "" };
         if self.left_out.is_empty() {
-            return format!("These parameters are the whole fitted model. {FRAMES}");
+            return format!("These parameters are the whole fitted model. {FRAMES}{origins}");
         }
         format!(
-            "Constant parameters cannot carry: {}. These are the least-squares projection of the whole model at the poses of the fit. {FRAMES}",
+            "Constant parameters cannot carry: {}. These are the least-squares projection of the whole model at the poses of the fit. {FRAMES}{origins}",
             self.left_out.join(", ")
         )
     }

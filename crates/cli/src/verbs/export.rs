@@ -238,7 +238,9 @@ fn ros_yaml(wanted: &Wanted<'_>, fitted: &FittedModel, options: &ExportOptions) 
     })?;
     let mut notes = notes(fitted, &origins);
     notes.extend(targets(fitted, &origins.value.targets));
-    Ok(written(styled.to_yaml(wanted.hash, &notes), origins, notes))
+    let text = styled.to_yaml(wanted.hash, &notes);
+    notes.extend(styled.remarks);
+    Ok(written(text, origins, notes))
 }
 
 /// The parameters of the robot's own description.

@@ -101,6 +101,12 @@ pub fn run(args: &Identify, watch: &Watch) -> Result<(), Failure> {
     if args.parameters.is_some() || args.report.is_some() || args.json {
         summary.parameters = Some(parameters::parameters(&used.clone().of_robot()));
     }
+    if let Some(placement) = summary.placement.as_mut().filter(|_| !args.json) {
+        placement.places = match &summary.parameters {
+            Some(parameters) => parameters.found(&placement.found),
+            None => parameters::places(&used.clone().of_robot(), &placement.found),
+        };
+    }
     let mut files = WholeFiles::default();
     // The fit does not depend on whether its parameters can be written.
     let mut lost = None;

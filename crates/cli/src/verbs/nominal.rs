@@ -24,7 +24,7 @@ pub struct Nominal {
     pub misread: Vec<Misread>,
     /// A mistake of the table explains it all, and has its own warning.
     explained: bool,
-    /// Flange in the robot's base, with all joints at zero, and at the first row with its line.
+    /// Flange in the robot's base, with all values of the controller at zero, and at the first row with its line.
     pub zeros: Pose,
     pub first: Option<(u64, Pose)>,
 }
@@ -34,7 +34,9 @@ impl Nominal {
     pub fn of(chain: &Chain, data: Option<&Dataset>, suspected: &[Suspicion]) -> Nominal {
         let bare = chain.clone().with_base(Placed::default()).and_then(|c| c.with_tool(Placed::default()));
         let bare = bare.unwrap_or_else(|_| chain.clone());
-        let zeros = bare.forward(&vec![0.0; chain.movable().len()]);
+        let mut zeros = vec![0.0; chain.movable().len()];
+        bare.joints_from_controller(&mut zeros);
+        let zeros = bare.forward(&zeros);
         // Rows of no file have no lines.
         let first = data.and_then(|data| {
             let joints: Option<Vec<f64>> = data.joints.iter().map(|column| column.first().copied()).collect();

@@ -10,7 +10,7 @@ use truepose_io::{
     parameters_file, read_details,
 };
 use truepose_kinematics::nalgebra::Vector3;
-use truepose_kinematics::{Chain, Pose};
+use truepose_kinematics::{Chain, Placement, Pose};
 use truepose_report::{OffsetApart, ParameterSummary, ParametersSummary};
 
 /// Half width of a 95 % interval, in standard uncertainties.
@@ -86,6 +86,12 @@ pub(crate) fn parameters(fitted: &FittedModel) -> ParametersSummary {
     }
 }
 
+/// Where base, tool and targets that were found are; nothing where the fit has no table.
+pub(super) fn places(fitted: &FittedModel, found: &[String]) -> Vec<ParameterSummary> {
+    let table = parameter_table(fitted, &ExportOptions::default());
+    table.map(|table| summary(fitted, &table.value, &table.left_out).found(found)).unwrap_or_default()
+}
+
 /// A table in the units of the robot's file.
 pub(super) fn summary(
     fitted: &FittedModel,
@@ -154,6 +160,10 @@ pub(super) fn summary(
     ParametersSummary {
         absent: None,
         left_out: left_out.iter().map(ToString::to_string).collect(),
+        by_origins: table.parts.iter().any(|part| match part.kind {
+            PartKind::Origin(joint) => !matches!(chain.joint(joint).placement, Placement::Origin { .. }),
+            _ => false,
+        }),
         parameters,
         joint_zero_offsets: table.offsets.iter().map(offset).collect(),
         zero_offsets_apart: Vec::new(),

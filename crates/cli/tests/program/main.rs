@@ -25,6 +25,7 @@ mod handover;
 mod harm;
 mod hostile;
 mod init;
+mod installed;
 mod invariance;
 mod landmarks;
 mod limits;

@@ -1,7 +1,7 @@
 //! A robot whose fifth joint follows its second one: measured by formulas of the test's own, in which the fifth joint has no value.
 
 use crate::folder::Folder;
-use crate::observations::cell::{Arm, Draw, dot, minus, positions, robot};
+use crate::observations::cell::{Arm, Draw, NOMINAL, dot, minus, positions, robot};
 use std::fmt::Write as _;
 
 const INPUT: i32 = 2;
@@ -128,4 +128,15 @@ fn a_joint_that_stands_still_is_told_once_with_those_that_follow_it() {
     // No column could be mistaken for that of a joint that has none.
     let told = folder.run(&["check", "--robot", "robot.toml", "--data", "data.csv"]).log;
     assert!(!told.contains("j5"), "{told}");
+}
+
+#[test]
+fn the_flange_at_zeros_has_the_offset_of_a_joint_that_follows() {
+    let folder = Folder::empty();
+    folder.write("robot.toml", &described());
+    let out = folder.run(&["check", "--robot", "robot.toml"]).ended(0).out;
+    let follows = [0.0, 0.0, 0.0, 0.0, OFFSET_DEG.to_radians(), 0.0];
+    let [x, y, z] = NOMINAL.point(&follows, &[0.0; 6], [0.0; 3]).map(|v| 1e3 * v);
+    let words = format!("flange at all zeros: xyz {x:.2} {y:.2} {z:.2} mm");
+    assert!(out.contains(&words), "{words}\n{out}");
 }

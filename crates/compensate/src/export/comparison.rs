@@ -33,13 +33,15 @@ pub struct Comparison {
     pub measured: bool,
 }
 
-/// Differences below this, m, and below this fraction, are rounding.
+/// Differences below this, m, are rounding.
 const SAME: f64 = 1e-9;
+/// Differences below this fraction are none: two fits of the same numbers differ by as much where one of them weighs orientations otherwise.
+const ALIKE: f64 = 5e-3;
 
 impl Comparison {
     /// Whether the export is worse than the nominal robot.
     pub fn worse(&self) -> bool {
-        let worse = |export: f64, nominal: f64| export > nominal * (1.0 + SAME) + SAME;
+        let worse = |export: f64, nominal: f64| export > nominal * (1.0 + ALIKE) + SAME;
         worse(self.export.aligned, self.nominal.aligned)
             || worse(self.export.as_written, self.nominal.as_written)
     }

@@ -10,6 +10,7 @@ mod error_tables;
 mod geometry;
 mod installation;
 mod iso230;
+mod link_frames;
 mod options;
 mod origins;
 mod parameters;

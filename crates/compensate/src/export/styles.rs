@@ -8,16 +8,17 @@
 //! | symbol | here | shape | unit | frame |
 //! | --- | --- | --- | --- | --- |
 //! | N_i | `frames` of the nominal robot at q = 0 | pose | m | robot's base |
-//! | R_i | `frames` of the maker's file at q = 0 | pose | m | robot's base |
+//! | R_i | `frames` of the maker's file at q = 0; without one those of the description, or of [`link_frames`] where it has rows | pose | m | robot's base |
 //!
 //! No frame changes a pose of the robot: a joint commutes with turns about and slides along its axis. So the file keeps links, meshes and
 //! masses of the description where they are. Origins are poses of one axis in the frame of the one before: parallel axes are no special
 //! case, and there are no common normals far away.
 
+use super::link_frames::{Line, link_frames, shortest};
 use super::origins::JointOrigins;
 use super::ros::{entry, quoted};
 use crate::CompensateError;
-use nalgebra::{Unit, UnitQuaternion, Vector3};
+use nalgebra::{Unit, Vector3};
 use std::fmt::Write;
 use truepose_kinematics::{Chain, JointId, JointKind, Placement, Pose};
 
@@ -26,6 +27,8 @@ use super::geometry::split;
 /// Axes of the nominal robot and of the maker's file are one within this, m and rad: makers write angles with four decimals (1.5708), and
 /// the errors of up to seven joints add up at a metre.
 const SAME_AXIS: f64 = 2e-4;
+/// Within this, m and rad, the description is the maker's arm with the constants of a calibration.
+const CALIBRATED: f64 = 1e-2;
 
 /// Whose structure a kinematics file has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -92,6 +95,8 @@ pub struct StyledOrigins {
     pub tool: Pose,
     /// Whether the link frames are those of the maker's file.
     pub as_maker: bool,
+    /// What there is to know of the link frames.
+    pub remarks: Vec<String>,
 }
 
 impl JointOrigins {
@@ -124,12 +129,27 @@ impl JointOrigins {
             let words = "its joints are coupled, which the file has no place for".into();
             return Err(CompensateError::Style { reason: words });
         }
-        let ours = frames(nominal);
-        let theirs = reference.map(frames);
+        let (ours, end) = frames(nominal);
+        let by_rows = |&joint: &JointId| !matches!(nominal.joint(joint).placement, Placement::Origin { .. });
+        let theirs = match reference {
+            Some(reference) => Some(frames(reference).0),
+            None if movable.iter().any(by_rows) => {
+                let line = |(frame, &joint): (&Pose, &JointId)| Line {
+                    point: frame.translation,
+                    direction: Unit::new_normalize(frame.rotation * split(nominal, joint).2.into_inner()),
+                };
+                let lines: Vec<Line> = ours.iter().zip(movable).map(line).collect();
+                let axes: Vec<_> = (1..=movable.len()).map(|number| style.axis(number)).collect();
+                let flange = style.flange().is_none().then_some(&end.translation);
+                Some(link_frames(&lines, &axes, flange))
+            }
+            None => None,
+        };
         if theirs.as_ref().is_some_and(|theirs| theirs.len() != ours.len()) {
             return Err(CompensateError::Style { reason: "the maker's file has other joints".into() });
         }
         let mut joints = Vec::with_capacity(movable.len());
+        let mut remarks = Vec::new();
         let mut before = Pose::IDENTITY;
         let mut last = Pose::IDENTITY;
         for (k, &joint) in movable.iter().enumerate() {
@@ -139,8 +159,11 @@ impl JointOrigins {
             let axis = self.joints[joint.0 - 1].axis;
             let wanted = style.axis(k + 1);
             let moved = match &theirs {
-                Some(theirs) => along(&(ours[k].inverse() * theirs[k]), &axis, &wanted, k + 1)?,
-                None => turned(&axis, &wanted),
+                Some(theirs) => {
+                    along(&(ours[k].inverse() * theirs[k]), &axis, &wanted, (k + 1, &mut remarks))?
+                }
+                None if axis == wanted => Pose::IDENTITY,
+                None => Pose::new(*shortest(&wanted, &axis).to_rotation_matrix().matrix(), Vector3::zeros()),
             };
             joints.push(before.inverse() * origin * moved);
             before = moved;
@@ -156,12 +179,23 @@ impl JointOrigins {
         let own = has_fixed.then(|| last.inverse() * fixed);
         let flange = style.flange().and(own.or(of_file));
         let tool = last.inverse() * fixed * self.tools[0];
-        Ok(StyledOrigins { style, base: self.base, joints, flange, tool, as_maker: theirs.is_some() })
+        let as_maker = reference.is_some();
+        if !as_maker {
+            let of = if theirs.is_some() {
+                "they are where axes come nearest to each other, as makers place them, and not those of the maker's file;"
+            } else {
+                "along the joints' axes they are those of the robot description, not of the maker's file;"
+            };
+            remarks.push(format!("link frames: {of}"));
+            let rest = "poses are the same, but meshes and masses of the maker's links are displaced (export with --like)";
+            remarks.push(rest.into());
+        }
+        Ok(StyledOrigins { style, base: self.base, joints, flange, tool, as_maker, remarks })
     }
 }
 
-/// Frames of the movable joints at q = 0 in the robot's base, in front of what stands behind the motion.
-fn frames(chain: &Chain) -> Vec<Pose> {
+/// Frames of the movable joints at q = 0 in the robot's base, in front of what stands behind the motion; and the end of the last joint.
+fn frames(chain: &Chain) -> (Vec<Pose>, Pose) {
     let mut at = Pose::IDENTITY;
     let mut found = Vec::new();
     for (k, joint) in chain.joints().iter().enumerate() {
@@ -175,7 +209,7 @@ fn frames(chain: &Chain) -> Vec<Pose> {
         }
         at = at * post;
     }
-    found
+    (found, at)
 }
 
 /// The nearest turn about and slide along the axis.
@@ -183,32 +217,26 @@ fn along(
     found: &Pose,
     axis: &Unit<Vector3<f64>>,
     wanted: &Unit<Vector3<f64>>,
-    number: usize,
+    (number, remarks): (usize, &mut Vec<String>),
 ) -> Result<Pose, CompensateError> {
     let turned = found.rotation * wanted.into_inner();
     let slide = axis.into_inner() * axis.dot(&found.translation);
     let (off, tilt) = ((found.translation - slide).norm(), turned.cross(axis).norm());
-    if off > SAME_AXIS || tilt > SAME_AXIS || turned.dot(axis) < 0.0 {
-        let reason = format!(
-            "the axis of joint {number} is not that of the maker's file ({:.3} mm and {:.3} mrad from it): base, zero or dimensions of \
-             the robot description are others",
-            1e3 * off,
-            1e3 * tilt
-        );
+    let words = || {
+        let (off, tilt) = (1e3 * off, 1e3 * tilt);
+        format!(
+            "the axis of joint {number} is not that of the maker's file ({off:.3} mm and {tilt:.3} mrad from it)"
+        )
+    };
+    if off > CALIBRATED || tilt > CALIBRATED || turned.dot(axis) < 0.0 {
+        let reason = format!("{}: base, zero or dimensions of the robot description are others", words());
         return Err(CompensateError::Style { reason });
     }
-    let back = UnitQuaternion::rotation_between(&turned, axis).unwrap_or_else(UnitQuaternion::identity);
-    Ok(Pose::new(back.to_rotation_matrix().matrix() * found.rotation, slide))
-}
-
-/// The shortest turn that brings the style's axis onto the joint's.
-fn turned(axis: &Unit<Vector3<f64>>, wanted: &Unit<Vector3<f64>>) -> Pose {
-    if axis == wanted {
-        return Pose::IDENTITY;
+    if off > SAME_AXIS || tilt > SAME_AXIS {
+        remarks.push(format!("{}: the robot description has the constants of a calibration", words()));
     }
-    let turn = UnitQuaternion::rotation_between(wanted, axis)
-        .unwrap_or_else(|| UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI));
-    Pose::new(*turn.to_rotation_matrix().matrix(), Vector3::zeros())
+    let back = shortest(&turned, axis);
+    Ok(Pose::new(back.to_rotation_matrix().matrix() * found.rotation, slide))
 }
 
 impl StyledOrigins {
@@ -225,15 +253,8 @@ impl StyledOrigins {
         for line in statement {
             writeln!(out, "# {line}")?;
         }
-        if !self.as_maker {
-            writeln!(
-                out,
-                "# link frames: along the joints' axes they are those of the robot description, not of the maker's file;"
-            )?;
-            writeln!(
-                out,
-                "# poses are the same, but meshes and masses of the maker's links are displaced (export with --like)"
-            )?;
+        for line in &self.remarks {
+            writeln!(out, "# {line}")?;
         }
         writeln!(out, "# x y z in m; roll, pitch, yaw about the fixed axes x, y, z in rad")?;
         let franka = self.style == RosStyle::Franka;

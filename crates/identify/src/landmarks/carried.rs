@@ -60,7 +60,7 @@ impl Carried {
                     ));
                 }
                 (Some(_), None) => {
-                    return why("a camera on the robot needs the point that it saw: a landmark, in the column `point`".into());
+                    return why("a camera on the robot needs the point that it saw: a landmark, in the column `point`; where it sees targets on the robot itself, the robot begins at the camera: a URDF with the camera's link as base link and the link of the targets as tip, and a camera without `mount`".into());
                 }
                 (Some(mount), Some(point)) => (mount, point),
             };

@@ -13,6 +13,7 @@ use truepose_errormodel::{KnownDistance, Surroundings};
 const APART: f64 = 1e-2;
 
 /// What was measured, as far as it fixes a gauge.
+#[derive(Clone)]
 pub(super) struct Gauge<'a> {
     /// Whether a position, or a known landmark, was measured.
     pub outside: bool,
@@ -24,6 +25,8 @@ pub(super) struct Gauge<'a> {
     pub touched: bool,
     /// Whether no effect changes the arm itself: its lengths are known then.
     pub frozen: bool,
+    /// Whether cameras of known lens saw targets of known place on a tool: how long these are apart is known.
+    pub sized: bool,
     /// What measured numbers.
     pub sensors: &'a Sensors,
 }
@@ -37,7 +40,12 @@ impl Gauge<'_> {
     /// Whether some row says how long anything is.
     pub fn has_scale(&self) -> bool {
         let metric = self.sensors.found.iter().any(|found| found.observation.metric());
-        self.frozen || self.outside || self.distances || metric || self.planes_apart()
+        self.sized || self.frozen || self.outside || self.distances || metric || self.planes_apart()
+    }
+
+    /// Whether nothing but targets on a tool says how long anything is.
+    pub fn by_targets(&self) -> bool {
+        self.sized && !Gauge { sized: false, ..self.clone() }.has_scale()
     }
 
     /// Whether planes of known place do not all meet in one point: a robot that shrinks into such a point would stay on all of them.
@@ -58,7 +66,7 @@ impl Gauge<'_> {
     }
 
     /// Whether a robot that is as small as a point would agree with every row: with the planes, or the camera, as small as itself.
-    pub fn may_shrink(&self) -> bool {
+    fn may_shrink(&self) -> bool {
         !self.has_scale() && !self.has_base() && !self.touched && !self.sensors.is_empty()
     }
 
@@ -75,12 +83,23 @@ impl Gauge<'_> {
     /// ```
     fn scale_by_distances(&self) -> Option<[f64; 2]> {
         let metric = self.sensors.found.iter().any(|found| found.observation.metric());
-        let others = self.frozen || self.outside || metric || self.planes_apart();
+        let others = self.sized || self.frozen || self.outside || metric || self.planes_apart();
         let stated = &self.kept;
         let known = !others && stated.iter().all(|of| of.sd > 0.0 && of.value > 0.0);
         let sum: f64 = stated.iter().map(|of| (of.value / of.sd).powi(2)).sum();
         let shared: f64 = stated.iter().map(|of| of.value / of.sd).sum::<f64>() / sum;
         (known && sum > 0.0).then(|| [1.0 / sum.sqrt(), shared])
+    }
+
+    /// Why nothing can be fitted, where a robot as small as a point would agree with every row.
+    pub fn refusal(&self) -> Option<String> {
+        const MORE: &str = "add one known distance ([[distances]]), a `distance` of known gain, a sphere of known radius, known planes that do not all meet in one point, \
+                            or for a camera of known lens two targets of known place on the tool";
+        self.may_shrink().then(|| {
+            format!(
+                "the scale is not determined: a robot as small as a point would agree with every row; {MORE}"
+            )
+        })
     }
 
     /// Sentences.
@@ -103,6 +122,11 @@ impl Gauge<'_> {
             words.push(format!(
                 "the scale is not determined: add one known distance ([[distances]]), a `distance` of known gain, a sphere of known radius, or known planes that do not all meet in one point; without it {what} says nothing about lengths"
             ));
+        }
+        if self.by_targets() {
+            words.push(
+                "the targets on the tool alone determine the scale: their places are taken as exact, and lengths are as well known as the distances between them".into(),
+            );
         }
         // A tenth of a millimetre over a metre.
         const WORTH_TELLING: f64 = 1e-4;

@@ -34,25 +34,36 @@ pub(super) fn with_base(
     at: &[Pose],
 ) -> Result<Chain, IdentifyError> {
     let from = chain.base().pose.inverse();
-    let mut best: Option<(usize, Pose)> = None;
+    let point = |row: usize| carried.point(row);
+    let found = by_images((sensors, "base"), &carried.images, &point, &|row| from * at[row])?;
+    let Some((_, pose)) = found else { return Ok(chain.clone()) };
+    let placed = chain.clone().with_base(Placed { pose, ..*chain.base() });
+    let name = "cameras on the robot".to_owned();
+    placed.map_err(|error| IdentifyError::Landmark { name, why: error.to_string() })
+}
+
+/// Z, where `other` is, with the camera that shows it in most images; and every camera at its X, from images (one number a row) with four points of known
+/// place at least. None without any such image.
+pub(super) fn by_images(
+    (sensors, other): (&mut Sensors, &str),
+    of_row: &[usize],
+    point: &dyn Fn(usize) -> Option<Vector3<f64>>,
+    carrier: &dyn Fn(usize) -> Pose,
+) -> Result<Option<(usize, Pose)>, IdentifyError> {
+    let mut best: Option<(usize, (usize, Pose))> = None;
     for sensor in 0..sensors.found.len() {
-        let rows: Vec<usize> =
-            sensors.first_rows(sensor).filter(|&row| carried.point(row).is_some()).collect();
+        let rows: Vec<usize> = sensors.first_rows(sensor).filter(|&row| point(row).is_some()).collect();
         let found = &sensors.found[sensor];
-        let Some(camera) =
-            (&*found.observation as &dyn Any).downcast_ref::<Camera>().filter(|_| !rows.is_empty())
-        else {
-            continue;
-        };
+        let Some(camera) = found.camera().filter(|_| !rows.is_empty()) else { continue };
         let mut images: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
         for &row in &rows {
-            images.entry(carried.images[row]).or_default().push(row);
+            images.entry(of_row[row]).or_default().push(row);
         }
         let mut pairs: Vec<(Pose, Pose)> = Vec::new();
         let (mut many, mut refused) = (0, None);
         let free = Camera { place: None, known: false, free_intrinsics: false, ..camera.clone() };
         for rows in images.values().filter(|rows| rows.len() >= POINTS) {
-            let point = |row: usize| Pose::new(Matrix3::identity(), carried.point(row).unwrap_or_default());
+            let point = |row: usize| Pose::new(Matrix3::identity(), point(row).unwrap_or_default());
             let seen: Vec<Seen> =
                 rows.iter().map(|&row| (point(row), sensors.numbers(row).to_vec())).collect();
             many += 1;
@@ -60,7 +71,7 @@ pub(super) fn with_base(
                 Ok(found) => {
                     let camera = (&*found as &dyn Any).downcast_ref::<Camera>();
                     pairs.extend(
-                        camera.and_then(|camera| camera.place).map(|place| (place, from * at[rows[0]])),
+                        camera.and_then(|camera| camera.place).map(|place| (place, carrier(rows[0]))),
                     );
                 }
                 Err(reason) => refused = Some(reason),
@@ -70,21 +81,18 @@ pub(super) fn with_base(
         if let Some(reason) = refused.filter(|_| 2 * pairs.len() < many) {
             return Err(why(&format!("in {} of {many} images: {reason}", many - pairs.len())));
         }
-        let (mount, base) = hand_eye(&pairs).ok_or_else(|| {
-            why("where camera and base are is not determined: three images of four known points each at least, with the camera turned about two axes between them")
+        let (place, found) = hand_eye(&pairs).ok_or_else(|| {
+            why(&format!("where camera and {other} are is not determined: three images of four known points each at least, with the camera turned about two axes between them"))
         })?;
         if !camera.known {
-            let camera = Camera { place: Some(mount), ..camera.clone() };
+            let camera = Camera { place: Some(place), ..camera.clone() };
             sensors.found[sensor].observation = Box::new(camera);
         }
         if best.is_none_or(|(count, _)| pairs.len() > count) {
-            best = Some((pairs.len(), base));
+            best = Some((pairs.len(), (sensor, found)));
         }
     }
-    let Some((_, pose)) = best else { return Ok(chain.clone()) };
-    let name = "cameras on the robot".to_owned();
-    let placed = chain.clone().with_base(Placed { pose, ..*chain.base() });
-    placed.map_err(|error| IdentifyError::Landmark { name, why: error.to_string() })
+    Ok(best.map(|(_, found)| found))
 }
 
 /// X and Z of images: where the camera was in the measurement frame, and the tool in that of the base.

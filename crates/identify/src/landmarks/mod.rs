@@ -30,6 +30,7 @@ mod planned;
 mod prepared;
 mod rounds;
 mod sensors;
+mod standing;
 mod suspects;
 mod ties;
 
@@ -120,15 +121,19 @@ pub fn touched(
         let at = contacts::places(chain, data, &contacts, |rows| sensors::poses(&nominal, rows))?;
         prepared = Prepared::of(whole, &contacts, (&contacts::spread(&at), frozen))?;
     }
-    let Prepared { measured, outside, has_base, has_scale, scale_is_open, .. } = prepared;
+    let Prepared { measured, outside, has_base, has_scale, by_targets, scale_is_open, .. } = prepared;
     let Prepared {
         mut data, surroundings, contacts, mut sensors, carried, mut structure, mut remarks, ..
     } = prepared;
     let described = chain;
-    let chain = if outside { chain.clone() } else { all_known(chain)? };
+    let mut chain = if outside { chain.clone() } else { all_known(chain)? };
     let mut declared = effects.to_vec();
-    if !has_base {
-        declared = without_base(declared, &chain);
+    let left_out = |place: &Where| match place {
+        Where::Frame(frame) => !has_base && *frame == FrameId::BASE,
+        Where::Targets(_) => by_targets,
+    };
+    if !has_base || by_targets {
+        declared = without(declared, &chain, &left_out);
     }
     if !outside {
         declared.extend(unknown_tool(described, &declared));
@@ -138,6 +143,10 @@ pub fn touched(
     carried.set_targets(&chain, &mut plain, false);
     carried.set_targets(&chain, &mut data, true);
     let by_images = !carried.is_empty() && !measured && !chain.base().known;
+    if !outside && carried.is_empty() && described.tools().len() == 1 && !described.tool().known {
+        let at = sensors::poses(&bare(&chain)?, &plain)?;
+        chain = standing::with_tool((&chain, &plain), &carried.images, &mut sensors, &at)?;
+    }
     // Nothing places a tool that is not described: the camera's place on it takes that up.
     let images_only = !carried.is_empty() && !measured;
     let mut placed = if images_only { all_known(&chain)? } else { crate::place(&chain, &plain)?.chain };
@@ -270,8 +279,12 @@ fn arm_is_frozen(chain: &Chain, effects: &[Box<dyn AnyEffect>]) -> bool {
     })
 }
 
-/// The effects without errors of the base.
-fn without_base(effects: Vec<Box<dyn AnyEffect>>, chain: &Chain) -> Vec<Box<dyn AnyEffect>> {
+/// The effects without errors of some places.
+fn without(
+    effects: Vec<Box<dyn AnyEffect>>,
+    chain: &Chain,
+    left_out: &dyn Fn(&Where) -> bool,
+) -> Vec<Box<dyn AnyEffect>> {
     let one = |effect: Box<dyn AnyEffect>| -> Option<Box<dyn AnyEffect>> {
         let Some(geometric) = effect.concrete::<Geometric>() else { return Some(effect) };
         let all = || {
@@ -279,8 +292,7 @@ fn without_base(effects: Vec<Box<dyn AnyEffect>>, chain: &Chain) -> Vec<Box<dyn 
             chain.frames().map(Where::Frame).chain(targets).collect::<Vec<_>>()
         };
         let frames = geometric.frames.clone().unwrap_or_else(all);
-        let frames: Vec<Where> =
-            frames.into_iter().filter(|place| *place != Where::Frame(FrameId::BASE)).collect();
+        let frames: Vec<Where> = frames.into_iter().filter(|place| !left_out(place)).collect();
         (!frames.is_empty()).then(|| {
             let rest = Geometric { frames: Some(frames), components: geometric.components.clone() };
             Box::new(rest) as Box<dyn AnyEffect>

@@ -12,13 +12,14 @@ use super::contacts;
 use super::prepared::Prepared;
 use super::rounds::{put, with};
 use super::sensors::poses;
-use super::{all_known, alone, arm_is_frozen, start, without_base};
+use super::{all_known, alone, arm_is_frozen, start, without};
 use crate::IdentifyError;
 use crate::linearise::Lineariser;
 use nalgebra::{DMatrix, DVector};
 use std::collections::{BTreeMap, BTreeSet};
+use truepose_errormodel::effects::Where;
 use truepose_errormodel::{AnyEffect, Dataset, ErrorModel, FittedModel, NoiseModel, Surroundings};
-use truepose_kinematics::Chain;
+use truepose_kinematics::{Chain, FrameId};
 
 /// The rows of each visit that could be made.
 pub(crate) struct PlannedRows {
@@ -132,7 +133,7 @@ pub fn unmeasured(
         true => (chain.clone(), effects.to_vec()),
         false => {
             let chain = all_known(chain)?;
-            let effects = without_base(effects.to_vec(), &chain);
+            let effects = without(effects.to_vec(), &chain, &|place| *place == Where::Frame(FrameId::BASE));
             (chain, effects)
         }
     };

@@ -3,7 +3,7 @@
 use super::carried::Carried;
 use super::contacts::{self, Contact};
 use super::gauge::Gauge;
-use super::sensors::{self, Sensors};
+use super::sensors::{self, SensorFound, Sensors};
 use super::ties::{Structure, tied};
 use crate::IdentifyError;
 use std::collections::BTreeSet;
@@ -26,6 +26,8 @@ pub(super) struct Prepared {
     pub has_base: bool,
     /// Whether some row says how long anything is.
     pub has_scale: bool,
+    /// Whether nothing but the targets on the tool says so: their places are exact.
+    pub by_targets: bool,
     /// Whether a robot as small as a point would agree with every row, so that a distance between landmarks has to be held.
     pub scale_is_open: bool,
     pub remarks: Vec<String>,
@@ -71,13 +73,15 @@ impl Prepared {
             },
             touched: !structure.points.is_empty() || !contacts.is_empty(),
             frozen,
+            sized: sized(chain, &data, (&sensors, &carried)),
             sensors: &sensors,
         };
-        let words = gauge.words(&surroundings);
-        if gauge.may_shrink() {
+        if let Some(why) = gauge.refusal() {
             let names: Vec<&str> = sensors.found.iter().map(|found| found.name.as_str()).collect();
-            return Err(IdentifyError::Landmark { name: names.join(", "), why: words.join("; ") });
+            return Err(IdentifyError::Landmark { name: names.join(", "), why });
         }
+        let words = gauge.words(&surroundings);
+        let by_targets = gauge.by_targets();
         let (has_base, has_scale) = (gauge.has_base(), gauge.has_scale());
         let scale_is_open = gauge.lets_landmarks_shrink();
         remarks.extend(words);
@@ -93,10 +97,26 @@ impl Prepared {
             outside,
             has_base,
             has_scale,
+            by_targets,
             scale_is_open,
             remarks,
         })
     }
+}
+
+/// Targets that are nearer to each other, m, are one point.
+const APART: f64 = 1e-3;
+
+/// Whether a camera in the cell, of known lens, saw targets that are apart, on a robot all of whose targets are of known place.
+fn sized(chain: &Chain, data: &Dataset, (sensors, carried): (&Sensors, &Carried)) -> bool {
+    let apart = |found: &SensorFound| {
+        let standing = found.rows.iter().filter(|&&row| carried.point(row).is_none());
+        let mut places = standing.filter_map(|&row| Some(chain.targets().get(data.target[row]?.0)?.position));
+        places.next().is_some_and(|first| places.any(|place| (place - first).norm() > APART))
+    };
+    let lens = |found: &&SensorFound| found.camera().is_some_and(|camera| !camera.free_intrinsics);
+    let known = chain.tools().len() == 1 && chain.targets().iter().all(|target| target.known);
+    known && sensors.found.iter().filter(lens).any(apart)
 }
 
 /// Of a standstill, rows with a position, rows that measured a number, and each row in which two tools met are pose measurements of their own: the

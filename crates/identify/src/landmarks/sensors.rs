@@ -20,8 +20,9 @@ use super::carried::Carried;
 use crate::linearise::Lineariser;
 use crate::{Fit, IdentifyError};
 use nalgebra::{DVector, Vector3};
+use std::any::Any;
 use truepose_errormodel::effects::{Observed, Sensor, Unknown};
-use truepose_errormodel::observation::{Observation, Reading, Seen};
+use truepose_errormodel::observation::{Camera, Observation, Reading, Seen};
 use truepose_errormodel::{Dataset, FittedModel, Ray, Surroundings};
 use truepose_kinematics::{Conditions, Pose};
 
@@ -40,6 +41,13 @@ pub struct SensorFound {
     pub weight: f64,
     /// Whether the standard deviation is stated.
     stated: bool,
+}
+
+impl SensorFound {
+    /// The camera, where it is one.
+    pub(super) fn camera(&self) -> Option<&Camera> {
+        (&*self.observation as &dyn Any).downcast_ref()
+    }
 }
 
 /// Standard deviation with which a kind begins, m and px: what [`truepose_errormodel::NoiseModel`] begins with, and what it is as an angle.

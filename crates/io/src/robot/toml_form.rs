@@ -60,6 +60,7 @@ pub(super) fn of(text: &Text, options: &RobotOptions, warnings: &mut Vec<Warning
         "urdf",
         "kinematics",
         "kinematics_style",
+        "kinematics_axes",
         "tip",
         "columns",
         "couplings",

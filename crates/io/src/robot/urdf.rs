@@ -6,7 +6,7 @@
 use super::RobotOptions;
 use super::names::joint_name_problem;
 use super::urdf_mimics::urdf_mimics;
-use super::urdf_path::path_between;
+use super::urdf_path::{path_between, read_backwards};
 use super::urdf_text::{Urdf, UrdfJoint, UrdfLink};
 use crate::nearest::{listed, meant};
 use crate::text::Text;
@@ -54,14 +54,25 @@ pub(super) fn read_tree(
             return Err(place.error(format!("the URDF has no joint `{name}`{hint} (its joints: {known})")));
         };
         let tip = Some(last.child.clone());
-        for joint in between(&RobotOptions { tip, ..options.clone() })? {
+        let way = between(&RobotOptions { tip, ..options.clone() })?;
+        if let Some(joint) = way.back.first() {
+            let message = format!(
+                "the base link moves with joint `{}`; of several arms the base is above all",
+                joint.name
+            );
+            return Err(place.error(message));
+        }
+        for joint in way.forth {
             if !on_path.iter().any(|other: &&UrdfJoint| other.name == joint.name) {
                 on_path.push(joint);
             }
         }
     }
+    let mut backwards = 0;
     if ends.is_empty() {
-        on_path = between(options)?;
+        let way = between(options)?;
+        backwards = way.back.len();
+        on_path = [way.back, way.forth].concat();
     }
     let before = |joint: &&UrdfJoint| {
         on_path.iter().position(|other| other.child == joint.parent).map(|k| JointId(k + 1))
@@ -69,7 +80,7 @@ pub(super) fn read_tree(
     let parents = if ends.is_empty() { Vec::new() } else { on_path.iter().map(before).collect() };
     let mimics = urdf_mimics(&on_path, |name, message| text.error(robot.joint_at(name), message))?;
     let mut joints: Vec<Joint> = Vec::with_capacity(on_path.len());
-    for described in on_path {
+    for described in &on_path {
         let at = described.at;
         let warn = |message: String| {
             let (line, _) = text.place(at);
@@ -84,12 +95,19 @@ pub(super) fn read_tree(
         if limited(described) && joint.limits.is_none() {
             warnings.push(warn(format!("joint `{}` has no limits; add <limit lower=… upper=…>", joint.name)));
         }
-        if let Some(link) = robot.links.iter().find(|link| link.name == described.child) {
+        let link = robot.links.iter().find(|link| link.name == described.child);
+        if let Some(link) = link.filter(|_| backwards == 0) {
             joint.link = link_of(link).map_err(|message| text.error(link.at, message))?;
         }
         joints.push(joint);
     }
-    warn_of_side_branches(&robot, &joints, path, warnings);
+    match backwards {
+        0 => warn_of_side_branches(&robot, &joints, path, warnings),
+        _ => {
+            let message = read_backwards(&on_path[..backwards], &mut joints);
+            warnings.push(Warning { file: path.into(), line: None, column: None, message });
+        }
+    }
     if joints.is_empty() {
         return Err(text.error(0, "base and tip are the same link; choose links with joints between them"));
     }
@@ -277,8 +295,8 @@ mod tests {
             "a.urdf:2:1: there is no tip link `tol0`; did you mean `tool0`? (links: base, l1, l2, l3, tool0, finger)"
         );
         assert_eq!(
-            read(&text, Some("finger"), Some("tool0")).unwrap_err(),
-            "a.urdf:2:1: there is no way from the base link `finger` to the tip link `tool0`"
+            read(&text, Some("tool0"), Some("l1")).unwrap_err(),
+            "a.urdf:2:1: there is no way from the base link `tool0` to the tip link `l1`"
         );
     }
 

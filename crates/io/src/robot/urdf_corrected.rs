@@ -61,12 +61,15 @@ pub fn corrected_urdf(
             return Err(refused("does not follow the joint in front of it in the fit's robot".into()));
         }
         links.push(&found.child);
-        let Placement::Origin { pose, .. } = joint.placement else {
+        let Placement::Origin { pose, axis } = joint.placement else {
             return Err(refused(
                 "is described in the fit's robot by a row of Denavit and Hartenberg, not by this URDF".into(),
             ));
         };
         let here = found.origin;
+        if axis.iter().zip(found.axis).map(|(a, b)| a * b).sum::<f64>() < 0.0 {
+            return Err(refused("leads the other way in the fit's robot: a joint that is read backwards is not corrected in the URDF".into()));
+        }
         let (off, turned) =
             ((here.translation - pose.translation).amax(), (here.rotation - pose.rotation).amax());
         if off.max(turned) > SAME {

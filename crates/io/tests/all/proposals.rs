@@ -56,7 +56,10 @@ fn pasted(message: &str) -> ColumnMap {
         let (ours, theirs) = line.split_once(" = ").unwrap();
         match (ours, theirs.trim_matches('"')) {
             ("orientation", word) => map.orientation = OrientationConvention::named(word),
-            ("ignore", _) => map.ignore.push(theirs.trim_matches(['[', ']', '"']).to_owned()),
+            ("ignore", _) => {
+                let columns = theirs.trim_matches(['[', ']']).split(", ");
+                map.ignore.extend(columns.map(|column| column.trim_matches('"').to_owned()));
+            }
             (ours, theirs) => map.names.push((ours.trim_matches('"').to_owned(), theirs.to_owned())),
         }
     }
@@ -96,6 +99,30 @@ fn spatial_analyzer_in_degrees_without_a_unit() {
     assert!(said.contains("id = \"Object Name\""), "{said}");
     assert!(warnings.contains("`X (mm)`, `Y (mm)`, `Z (mm)` are read as x, y, z"), "{warnings}");
     assert!(warnings.contains("is read in [deg], as its header says"), "{warnings}");
+}
+
+/// The state of joints and a pose as `rostopic echo -p` writes them: names in cells, in the order of the alphabet or any other, and nanoseconds.
+#[test]
+fn names_of_joints_in_cells_are_those_of_the_columns_beside_them() {
+    let order = [4, 0, 2, 5, 1, 3];
+    let of = |word: &str| (0..6).map(|k| format!("field.{word}{k}")).collect::<Vec<_>>().join(",");
+    let places = "field.pose.position.x,field.pose.position.y,field.pose.position.z";
+    let header = format!("%time,{},{},{},{places}", of("name"), of("position"), of("effort"));
+    let text = table(&header, |k, joints, at, _| {
+        let names = order.map(|joint| format!("j{}", joint + 1)).join(",");
+        let values = order.map(|joint| format!("{:.7}", joints[joint].to_radians())).join(",");
+        let time = 1_712_000_000_000_000_000_u64 + 5_000_000 * k as u64;
+        let [x, y, z] = at.map(|v| format!("{:.8}", v / 1e3));
+        format!("{time},{names},{values},1.5,2.5,0.25,3.5,1.75,0.5,{x},{y},{z}")
+    });
+    let (said, _) = second_try(&text, false);
+    assert!(
+        said.contains("j5 = \"field.position0[rad]\"") && said.contains("time = \"%time[ns]\""),
+        "{said}"
+    );
+    let (data, ..) = read(&text, pasted(&said)).unwrap();
+    let moved = data.time[39] - data.time[0];
+    assert!((moved - 0.195).abs() < 1e-6, "{moved}");
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use super::{IdentificationSummary, StageSummary};
 use crate::layout::Alignment::{Left, Right};
 use crate::wording::heading;
-use crate::{PartialRows, count, significant, table, value_with_interval};
+use crate::{ParameterSummary, PartialRows, count, significant, table, value_with_interval};
 use std::fmt;
 
 /// Grouped errors beyond this many are not printed one by one (they are all in the JSON).
@@ -44,6 +44,7 @@ impl fmt::Display for IdentificationSummary {
                 placement.found.join(", "),
                 significant(placement.rms_mm, 3)
             )?;
+            write!(f, "{}", ParameterSummary::as_places(&placement.places))?;
             for line in &placement.undetermined {
                 writeln!(f, "  {line}")?;
             }

@@ -57,11 +57,11 @@ impl Input {
         if value.is_finite() { format!("{:.decimals$}", value + 0.0) } else { "–".into() }
     }
 
-    /// Whether the input takes more than one value.
+    /// Whether the input takes more than one value, beyond the rounding of a coupled joint's.
     fn varies(&self) -> bool {
         let mut values = self.values.iter().filter(|v| v.is_finite());
         let first = values.next().copied();
-        first.is_some_and(|first| values.any(|v| (v - first).abs() > 0.0))
+        first.is_some_and(|first| values.any(|v| (v - first).abs() > 1e-12 * first.abs().max(1.0)))
     }
 }
 
@@ -137,10 +137,18 @@ const DATED: f64 = 1e8;
 fn inputs(chain: &Chain, data: &Dataset, rows: &[usize]) -> (Vec<Input>, usize) {
     let pick = |column: &[f64], factor: f64| rows.iter().map(|&row| column[row] * factor).collect::<Vec<_>>();
     let mut list = Vec::new();
-    for (column, &joint) in data.joints.iter().zip(chain.movable()) {
+    // As the controller shows them: a coupled joint's variable has others in it.
+    let values = |&row: &usize| -> Vec<f64> {
+        let mut values: Vec<f64> = data.joints.iter().map(|column| column[row]).collect();
+        chain.joints_to_controller(&mut values);
+        values
+    };
+    let values: Vec<Vec<f64>> = rows.iter().map(values).collect();
+    for (k, &joint) in chain.movable().iter().enumerate().take(data.joints.len()) {
         let joint = chain.joint(joint);
         let (factor, unit) = if joint.unit() == "m" { (1e3, "mm") } else { (1f64.to_degrees(), "°") };
-        list.push(Input { name: joint.name.clone(), unit: unit.into(), values: pick(column, factor) });
+        let values = values.iter().map(|values| values[k] * factor).collect();
+        list.push(Input { name: joint.name.clone(), unit: unit.into(), values });
     }
     list.retain(Input::varies);
     let joints = list.len();
@@ -190,5 +198,30 @@ pub(crate) fn merged(order: &[(usize, bool, usize)], first: &Residuals, second: 
     Residuals {
         position: order.iter().map(|&(_, of_second, k)| part(of_second).position[k]).collect(),
         orientation: order.iter().map(|&(_, of_second, k)| part(of_second).orientation[k]).collect(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use truepose_kinematics::{Coupling, JointId, samples};
+
+    #[test]
+    fn a_coupled_joint_is_shown_as_the_controller_has_it() {
+        let coupling = Coupling { joint: JointId(3), driver: JointId(2), factor: 1.0 };
+        let chain = samples::ur10().with_couplings(vec![coupling]).unwrap();
+        // The controller's third value stays, while the second moves: the variable follows it.
+        let mut data = Dataset { joints: vec![vec![0.0; 3]; 6], ..Dataset::default() };
+        data.joints[1] = vec![0.1, 0.3, 0.7];
+        data.joints[2] = data.joints[1].iter().map(|second| second + 0.4).collect();
+        (data.visit, data.load) = (vec![0, 1, 2], vec![Load::None; 3]);
+        let (shown, joints) = inputs(&chain, &data, &[0, 1, 2]);
+        assert_eq!((joints, shown[0].name.as_str()), (1, "j2"));
+        assert_eq!(shown[0].values, [0.1, 0.3, 0.7].map(f64::to_degrees));
+        data.joints[2][2] += 0.2;
+        let third = inputs(&chain, &data, &[0, 1, 2]).0[1].clone();
+        let wanted = [0.4_f64, 0.4, 0.6].map(f64::to_degrees);
+        assert_eq!(third.name, "j3");
+        assert!(third.values.iter().zip(wanted).all(|(a, b)| (a - b).abs() < 1e-9), "{third:?}");
     }
 }

@@ -247,6 +247,26 @@ impl Cell {
         self
     }
 
+    /// Images of points on the flange (m): what the camera sees of all of them at once, in rows of a table of their own.
+    pub fn images(&mut self, count: usize, points: &[[f64; 3]]) -> String {
+        let mut table = String::from(
+            "kind,landmark,target,visit,u[px],v[px],j1[rad],j2[rad],j3[rad],j4[rad],j5[rad],j6[rad]\n",
+        );
+        let mut image = 0;
+        while image < count {
+            let q = self.anywhere();
+            let see = |point: &[f64; 3]| self.seen(self.arm.point(&q, &self.offsets, *point));
+            let Some(all) = points.iter().map(see).collect::<Option<Vec<_>>>() else { continue };
+            let joints = q.map(|q| format!("{q:.9}")).join(",");
+            for (k, [u, v]) in all.into_iter().enumerate() {
+                let [u, v] = [u + 0.04 * self.draw.noise(), v + 0.04 * self.draw.noise()];
+                writeln!(table, "pixel,eye,c{k},{image},{u:.4},{v:.4},{joints}").unwrap();
+            }
+            image += 1;
+        }
+        table
+    }
+
     /// RMS of the distances between pairs of points that the fit of a folder predicts and those of the real arm, mm.
     pub fn lengths(&self, folder: &Folder) -> f64 {
         let mut draw = Draw(99);

@@ -99,8 +99,8 @@ pub(super) struct Described<'a> {
 }
 
 impl<'a> Described<'a> {
-    pub fn new(model: &'a ErrorModel) -> Self {
-        let chain = model.chain();
+    /// `chain` is the robot of the model, as it is described or by origins.
+    pub fn new(model: &ErrorModel, chain: &'a Chain) -> Self {
         let mut parts = vec![Form::Placed(chain.base().pose)];
         parts.extend(chain.joints().iter().map(|joint| match joint.placement {
             _ if !joint.moves() => Form::Still(joint.transform(0.0)),

@@ -25,10 +25,13 @@ const SOLVED: f64 = 1e-10;
 const ROUNDS: usize = 30;
 /// Independent fraction of a column below which it is not kept: that of `AxisTableOptions::parallel`, then less where a robot needs it.
 const INDEPENDENT: [f64; 3] = [0.02, 1e-3, 1e-5];
+/// Of one class, those that are clearly independent come first: a length across an offset of a few millimetres would take up a change of the distance of
+/// two axes thirtyfold, with a false zero of the joint.
+const CLEARLY: [f64; 2] = [0.5, 0.1];
 
 /// Solutions, and which numbers are kept.
 pub(super) struct Equivalent<'a> {
-    described: &'a Described<'a>,
+    pub described: &'a Described<'a>,
     motions: Vec<(JointKind, Unit<Vector3<f64>>)>,
     size: f64,
     /// Numbers that may differ from nominal.
@@ -66,9 +69,15 @@ impl<'a> Equivalent<'a> {
         for k in columns.ncols() - nominal.screws.len()..columns.ncols() {
             independent_part(&mut basis, columns.column(k).into_owned(), 1e-9);
         }
-        for k in order {
-            if independent_part(&mut basis, columns.column(k).into_owned(), independent) {
-                this.kept.push(k);
+        for class in order.chunk_by(|&a, &b| described.numbers[a].class == described.numbers[b].class) {
+            for least in CLEARLY.into_iter().filter(|clearly| *clearly > independent).chain([independent]) {
+                for &k in class {
+                    if !this.kept.contains(&k)
+                        && independent_part(&mut basis, columns.column(k).into_owned(), least)
+                    {
+                        this.kept.push(k);
+                    }
+                }
             }
         }
         this.kept.sort_unstable();

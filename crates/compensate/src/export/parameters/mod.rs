@@ -1,7 +1,8 @@
 //! The fitted robot in the numbers of its own description: nominal, calibrated, and how well each is known.
 //!
 //! A row of Denavit and Hartenberg comes back on the branch that it had; a joint's zero offset is a number of its own. Between nearly parallel axes,
-//! where no d is sensible, a row gets Hayati's β. Poses of base, tool and URDF joints have x y z and roll, pitch, yaw about the fixed axes.
+//! where no d is sensible, a row gets Hayati's β. Poses of base, tool and URDF joints have x y z and roll, pitch, yaw about the fixed axes. A robot
+//! that its rows cannot describe is described by the origins of its joints, which describe any.
 
 mod described;
 mod equivalent;
@@ -19,7 +20,7 @@ use described::{Described, segments_of};
 use equivalent::Equivalent;
 use known::Knowledge;
 use nalgebra::DMatrix;
-use truepose_errormodel::FittedModel;
+use truepose_errormodel::{FittedModel, GeneralizedErrors};
 use truepose_kinematics::{Chain, JointId, Pose};
 
 /// Differences of constants, m and rad.
@@ -97,7 +98,8 @@ pub struct JointOffset {
 /// The fitted robot in its own description. Effects that are not constant are projected onto it, as in every other export.
 ///
 /// # Errors
-/// As [`corrected_chain`](crate::corrected_chain); [`CompensateError::NotInRows`] where the rows of the description cannot describe the robot.
+/// As [`corrected_chain`](crate::corrected_chain); [`CompensateError::NotInRows`] where neither the rows of the description nor origins describe the
+/// robot.
 pub fn parameter_table(
     fitted: &FittedModel,
     options: &ExportOptions,
@@ -107,12 +109,18 @@ pub fn parameter_table(
     }
     let reference = Reference::of(fitted, options)?;
     let (exported, constants) = corrected(fitted, &reference)?;
-    let described = Described::new(fitted.model());
-    let segments = segments_of(&exported.value);
-    let (equivalent, solution) =
-        Equivalent::solve(&described, &segments).ok_or(CompensateError::NotInRows)?;
-    let sensitivity = spread::sensitivity(fitted, &reference, &constants, !exported.left_out.is_empty())?;
     let chain = fitted.chain();
+    let by_origins = with_errors(chain, &GeneralizedErrors::zero(chain))?;
+    let [described, origins] = [chain, &by_origins].map(|chain| Described::new(fitted.model(), chain));
+    let segments = segments_of(&exported.value);
+    // Joints that do not move are not listed: they have to be those of the description.
+    let listed = || {
+        chain.joints().iter().zip(by_origins.joints()).all(|(a, b)| a.moves() || a.placement == b.placement)
+    };
+    let (equivalent, solution) = Equivalent::solve(&described, &segments)
+        .or_else(|| listed().then(|| Equivalent::solve(&origins, &segments)).flatten())
+        .ok_or(CompensateError::NotInRows)?;
+    let sensitivity = spread::sensitivity(fitted, &reference, &constants, !exported.left_out.is_empty())?;
     let mut ways = Vec::with_capacity(chain.site_count());
     for k in 0..chain.site_count() {
         let moved = |by: f64| -> Result<Vec<Pose>, CompensateError> {
@@ -125,12 +133,12 @@ pub fn parameter_table(
     let derivative =
         equivalent.derivative(&solution, &segments, &ways, STEP).ok_or(CompensateError::NotInRows)?;
     let kept = derivative * &sensitivity;
-    let mut moves = DMatrix::zeros(described.numbers.len(), kept.ncols());
+    let mut moves = DMatrix::zeros(equivalent.described.numbers.len(), kept.ncols());
     for (row, &number) in equivalent.kept.iter().enumerate() {
         moves.set_row(number, &kept.row(row));
     }
     let found = rows::Found {
-        described: &described,
+        described: equivalent.described,
         values: &solution.values,
         kept: &equivalent.kept,
         knowledge: Knowledge::new(fitted),

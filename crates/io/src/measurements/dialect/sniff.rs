@@ -43,6 +43,10 @@ pub(super) fn dialect(text: &str, encoding: Encoding, whole: bool, names: &Names
     for separator in [',', ';', '\t', '|'] {
         for &(at, line) in top {
             let cut = split(line, separator);
+            if cut.iter().any(|cell| cell.contains('.') && cell.parse::<f64>().is_ok()) {
+                // Names of joints beside their values, as `rostopic echo -p` writes them: a row.
+                continue;
+            }
             let known = cut.iter().filter(|cell| names.knows(cell)).count();
             if cut.len() > 1 && known >= KNOWN && best.is_none_or(|(most, ..)| known > most) {
                 best = Some((known, at, separator));

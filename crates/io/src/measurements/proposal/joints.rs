@@ -54,6 +54,7 @@ pub(super) fn propose(seen: &mut [Seen<'_>], chain: &Chain, all: &mut Proposal) 
         .collect();
     let known: Vec<bool> = found.iter().map(Option::is_some).collect();
     if known.iter().any(|known| !known) {
+        by_cells(seen, &names, &mut found, all);
         by_name(seen, &names, &mut found);
         if found.iter().any(Option::is_none) {
             by_number(seen, &known, &mut found, all);
@@ -91,6 +92,36 @@ pub(super) fn propose(seen: &mut [Seen<'_>], chain: &Chain, all: &mut Proposal) 
         joints.push((at, *unit.unwrap_or(quantity.si())));
     }
     (joints.len() == names.len()).then_some(joints)
+}
+
+/// Columns beside those whose cells are the joints' names: `field.position2` where every cell of `field.name2` is a joint's, as `rostopic echo -p` writes
+/// the state of joints.
+fn by_cells(seen: &mut [Seen<'_>], names: &[&str], found: &mut [Option<usize>], all: &mut Proposal) {
+    let (mut beside, mut of_names) = (vec![None; names.len()], Vec::new());
+    for (name, slot) in names.iter().zip(&mut beside) {
+        let named = |column: &&Seen<'_>| {
+            column.free && !column.cells.is_empty() && column.cells.iter().all(|cell| cell == name)
+        };
+        let place = |column: &Seen<'_>| {
+            let (front, number) = column.header.rsplit_once("name")?;
+            let wanted = format!("{front}position{number}");
+            seen.iter().position(|column| usable(column) && column.header == wanted)
+        };
+        let mut these = seen.iter().filter(named).filter_map(|column| Some((place(column)?, column.header)));
+        if let (Some((at, header)), None) = (these.next(), these.next()) {
+            *slot = Some(at);
+            of_names.push(header);
+        }
+    }
+    // Some of them would be a guess.
+    if beside.iter().zip(found.iter()).all(|(beside, found)| beside.is_some() && found.is_none()) {
+        found.copy_from_slice(&beside);
+        all.ignore.extend(of_names.iter().map(|header| (*header).to_owned()));
+        let listed = |column: &mut Seen<'_>| column.free = !of_names.contains(&column.header) && column.free;
+        seen.iter_mut().for_each(listed);
+        all.notes
+            .push("the names of the joints are those in the first rows: all rows need the same order".into());
+    }
 }
 
 /// Columns that bear a joint's name, whole or as a part of a path.

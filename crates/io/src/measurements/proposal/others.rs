@@ -9,8 +9,8 @@ use crate::Quantity;
 use std::collections::HashSet;
 use truepose_kinematics::Chain;
 
-/// A number of seconds from 1970 is not larger for some centuries; milliseconds are.
-const LATEST: f64 = 1e10;
+/// Units of the time from 1970, and what numbers are below for some centuries.
+const LATEST: [(f64, &str); 4] = [(1e10, "s"), (1e13, "ms"), (1e16, "us"), (1e19, "ns")];
 
 /// Proposes `time`, `id` and `target`, and leaves out what is neither number nor text.
 pub(super) fn propose(seen: &mut [Seen<'_>], names: &Names<'_>, all: &mut Proposal) {
@@ -117,14 +117,14 @@ fn time(seen: &mut [Seen<'_>], all: &mut Proposal) {
     let clocks = |column: &Seen<'_>| {
         cells(column) > 0 && column.cells.iter().filter(|cell| !cell.is_empty()).all(|cell| dated(cell))
     };
-    let seconds = |column: &Seen<'_>| {
-        let unit = column.measure();
-        match unit {
-            Some(unit) => unit.quantity == Quantity::Time,
-            None => column.unit.is_none() && column.range().is_some_and(|(_, high)| high < LATEST),
-        }
+    let counted = |column: &Seen<'_>| match column.measure() {
+        Some(unit) => (unit.quantity == Quantity::Time).then_some(unit.word),
+        None if column.unit.is_some() => None,
+        None => column.range().and_then(|(_, high)| LATEST.iter().find(|of| high < of.0)).map(|of| of.1),
     };
-    let fits = |column: &Seen<'_>| column.free && column.has(&words) && (clocks(column) || seconds(column));
+    let fits = |column: &Seen<'_>| {
+        column.free && column.has(&words) && (clocks(column) || counted(column).is_some())
+    };
     let mut these = seen.iter().enumerate().filter(|(_, column)| fits(column));
     let (Some((k, _)), None) = (these.next(), these.next()) else { return };
     drop(these);
@@ -144,7 +144,7 @@ fn time(seen: &mut [Seen<'_>], all: &mut Proposal) {
         ));
         return;
     }
-    let unit = (!clocks(&seen[k])).then_some("s");
+    let unit = if clocks(&seen[k]) { None } else { counted(&seen[k]) };
     all.pair(&mut seen[k], "time", unit);
 }
 
