@@ -29,7 +29,16 @@ pub(crate) fn read(text: &[u8], others: &[&[u8]]) -> Result<Program, ControllerE
         return Ok(Program::of_frames(Dialect::Inform, text, definitions));
     }
     if !lines.iter().any(|line| line.after("/JOB").is_some_and(<[u8]>::is_empty)) {
-        return Err(ControllerError::NotAProgram("it has no line /JOB: it is no job of INFORM".into()));
+        let words = match lines.iter().any(|line| is_parameters(line.trimmed())) {
+            true => {
+                "it has parameters of the controller (ALL.PRM, RC.PRM), which are not read: frames and tools are in UFRAME.CND and TOOL.CND, \
+                 pulses per degree are stated with --pulses"
+            }
+            false => {
+                "it has no line /JOB: it is no job of INFORM, and it has no frames or tools (UFRAME.CND, TOOL.CND)"
+            }
+        };
+        return Err(ControllerError::NotAProgram(words.into()));
     }
     let head = |word: &str| lines.iter().position(|line| line.after(word).is_some_and(<[u8]>::is_empty));
     let inst = head("//INST").unwrap_or(lines.len());
@@ -63,6 +72,12 @@ pub(crate) fn read(text: &[u8], others: &[&[u8]]) -> Result<Program, ControllerE
         route,
         notes: job.notes,
     })
+}
+
+/// `///RC1G`, `///S1C1G`: the head of a group of parameters.
+fn is_parameters(line: &[u8]) -> bool {
+    let name = line.strip_prefix(b"///").unwrap_or_default();
+    name.len() > 3 && name.ends_with(b"G") && (name.starts_with(b"RC") || name.starts_with(b"S1C"))
 }
 
 /// What the lines before state about the positions that follow.
