@@ -37,7 +37,7 @@ pub(super) const PAYLOADS: [&str; 2] = ["PAYLOAD[", "TRAGLST["];
 const REMOTE: &str = "RTCP";
 
 /// Words behind a point that leave it where it is: speeds, terminations, conditions, processes.
-const HARMLESS: [&str; 90] = [
+const HARMLESS: [&str; 91] = [
     "MM",
     "CM",
     "INCH",
@@ -68,6 +68,7 @@ const HARMLESS: [&str; 90] = [
     "PTH",
     "EV",
     "IND",
+    "IND.EV",
     "SKIP",
     "INTERRUPT",
     "LBL",

@@ -10,13 +10,15 @@
 //! The values of user frames and tools are in files of their own (see `frames`): `USER 1`, `TOOL 0` name them.
 
 mod frames;
+mod stations;
 
 use crate::event::{Event, Visit};
 use crate::lines::{Line, lines};
 use crate::note::Note;
 use crate::number::{Form, Slot, number_at};
-use crate::program::{Branch, Definitions, Point, Reference, Value};
+use crate::program::{Branch, Definition, Definitions, Point, Reference, Value};
 use crate::{ControllerError, Dialect, Program};
+use stations::Stations;
 use std::collections::HashMap;
 
 pub(crate) fn read(text: &[u8], others: &[&[u8]]) -> Result<Program, ControllerError> {
@@ -42,17 +44,29 @@ pub(crate) fn read(text: &[u8], others: &[&[u8]]) -> Result<Program, ControllerE
     }
     let head = |word: &str| lines.iter().position(|line| line.after(word).is_some_and(<[u8]>::is_empty));
     let inst = head("//INST").unwrap_or(lines.len());
+    for (name, line) in lines.iter().skip(inst).filter_map(changed) {
+        let words = format!("line {line} changes {name} while the job runs");
+        definitions.0.insert(name, Definition::Unusable(words));
+    }
     let mut points = Vec::new();
+    let mut stations = Stations::default();
     if let Some(pos) = head("//POS").filter(|&pos| pos < inst) {
         let mut state = State::default();
         for line in &lines[pos + 1..inst] {
+            stations.line(line, state.kind.eq_ignore_ascii_case("PULSE"));
             let tool = Reference::Named(format!("{}.W", state.tool()));
             let point = state.line(text, line);
             points.extend(point.map(|point| Point { carried: definitions.load(&tool), ..point }));
         }
     }
-    let mut job =
-        Job { places: HashMap::new(), jumps: false, shift: None, route: Vec::new(), notes: Vec::new() };
+    let mut job = Job {
+        stations,
+        places: HashMap::new(),
+        jumps: false,
+        shift: None,
+        route: Vec::new(),
+        notes: Vec::new(),
+    };
     for (k, point) in points.iter().enumerate() {
         job.places.extend(key(&point.name).map(|key| (key, k)));
     }
@@ -72,6 +86,16 @@ pub(crate) fn read(text: &[u8], others: &[&[u8]]) -> Result<Program, ControllerE
         route,
         notes: job.notes,
     })
+}
+
+/// A frame or a tool that an instruction sets: `MFRAME UF#(1) …`, `SETTOOL TL#(2) P000`.
+fn changed(line: &Line<'_>) -> Option<(String, usize)> {
+    let text = String::from_utf8_lossy(line.trimmed());
+    let (kind, list, rest) = [("USER", "UF#(", "MFRAME"), ("TOOL", "TL#(", "SETTOOL")]
+        .into_iter()
+        .find_map(|(kind, list, verb)| Some((kind, list, text.strip_prefix(verb)?)))?;
+    let number: u32 = rest.split_once(list)?.1.split(')').next()?.trim().parse().ok()?;
+    Some((format!("{kind} {number}"), line.number))
 }
 
 /// `///RC1G`, `///S1C1G`: the head of a group of parameters.
@@ -190,6 +214,7 @@ const HARMLESS: [&str; 12] =
 
 /// What the instructions of a job do.
 struct Job {
+    stations: Stations,
     places: HashMap<(char, u64), usize>,
     /// Whether the order of the lines is not that in which they run.
     jumps: bool,
@@ -225,7 +250,10 @@ impl Job {
                 let name = named.first().map(|name| format!("{}{:05}", name.0, name.1));
                 let name = name.unwrap_or_else(|| words.next().unwrap_or(verb).into());
                 match at {
-                    Some(at) => self.displaced(&mut points[at]),
+                    Some(at) => {
+                        self.displaced(&mut points[at]);
+                        self.stations.move_to(text.split_whitespace(), &mut points[at], line.number);
+                    }
                     None => self.notes.push(Note::missing(line.number, text.into(), name)),
                 }
             }

@@ -306,3 +306,26 @@ fn krl_statements_that_move_nothing_are_passed_over() {
         "DEF a()\nDECL E6POS XA={X 1,Y 2,Z 3,A 4,B 5,C 6}\nBOOL XA\nWAIT FOR XA\nRETURN XA\nHOLD XA\nEND\n";
     assert_eq!(refused(&read(Dialect::Krl, text)), [6]);
 }
+
+#[test]
+fn inform_bases_and_stations_are_external_axes_and_frames_may_be_set() {
+    let job = |kind: &str, lines: &str| {
+        let text = format!(
+            "/JOB\n//NAME A\n//POS\n///TOOL 3\n///POSTYPE {kind}\n///USER 2\n///RECTAN\nC00000=1,2,3,0,0,0\nC00001=1,2,3,0,0,0\nBC00000=1500.5\nBC00001=0.000\nEC00001=5,90.000\n//INST\nNOP\n{lines}END\n"
+        );
+        read(Dialect::Inform, &text)
+    };
+    let program = job("USER", "MOVL C00000 BC00000 V=5.0\nMOVL C00001 BC00001 EC00001 V=5.0\n");
+    assert_eq!(refused(&program), [0; 0], "{:?}", program.notes());
+    assert_eq!(program.points()[0].external, [("BC1".to_owned(), 1500.5)]);
+    let names: Vec<&str> = program.points()[1].external.iter().map(|(name, _)| name.as_str()).collect();
+    assert_eq!(names, ["BC1", "EC1", "EC2"]);
+    let pulses = job("PULSE", "MOVL C00000 BC00000 V=5.0\nMOVL C00000 BC00001 V=5.0\n");
+    assert_eq!(pulses.points()[0].external, [("BC1 in pulses".to_owned(), 1500.5)]);
+    assert!(pulses.points()[0].fixed.is_some() && pulses.points()[1].fixed.is_none());
+    let sets = job("USER", "MFRAME UF#(2) C00000 C00001 C00001\nSETTOOL TL#(3) P000\n");
+    for (name, line) in [("USER 2", 15), ("TOOL 3", 16)] {
+        let words = format!("line {line} changes {name} while the job runs");
+        assert_eq!(sets.definitions().get(name), Err(words));
+    }
+}
