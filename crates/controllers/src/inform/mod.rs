@@ -239,6 +239,15 @@ impl Job {
             "SFTON" => self.shifted(line.number, points),
             "SFTOF" => self.shift = None,
             "MOVJ" | "MOVL" | "MOVC" | "MOVS" => {
+                // Another robot, or a station, that moves at the same time, each for itself.
+                let (text, beside) = text.split_once(" +").unwrap_or((text, ""));
+                for name in beside.split(|c: char| !c.is_ascii_alphanumeric()).filter_map(key) {
+                    if let Some(&at) = self.places.get(&name) {
+                        let words =
+                            format!("it is that of another robot or of a station (line {})", line.number);
+                        points[at].fixed.get_or_insert(words);
+                    }
+                }
                 let options = text.split_whitespace().skip(1).filter(|word| key(word).is_none());
                 let odd = |word: &&str| !harmless(word);
                 if let Some(word) = options.into_iter().find(odd) {
@@ -252,7 +261,8 @@ impl Job {
                 match at {
                     Some(at) => {
                         self.displaced(&mut points[at]);
-                        self.stations.move_to(text.split_whitespace(), &mut points[at], line.number);
+                        let words = text.split_whitespace().chain(beside.split_whitespace());
+                        self.stations.move_to(words, &mut points[at], line.number);
                     }
                     None => self.notes.push(Note::missing(line.number, text.into(), name)),
                 }

@@ -323,6 +323,10 @@ fn inform_bases_and_stations_are_external_axes_and_frames_may_be_set() {
     let pulses = job("PULSE", "MOVL C00000 BC00000 V=5.0\nMOVL C00000 BC00001 V=5.0\n");
     assert_eq!(pulses.points()[0].external, [("BC1 in pulses".to_owned(), 1500.5)]);
     assert!(pulses.points()[0].fixed.is_some() && pulses.points()[1].fixed.is_none());
+    let two = job("USER", "MOVL C00000 V=5.0  +MOVJ EC00001 VJ=1.0\nMOVL C00000 V=5.0 +MOVL C00001 V=5.0\n");
+    assert_eq!(refused(&two), [0; 0], "{:?}", two.notes());
+    assert_eq!(two.points()[0].external.len(), 2);
+    assert!(two.points()[1].fixed.as_deref().is_some_and(|words| words.contains("another robot")));
     let sets = job("USER", "MFRAME UF#(2) C00000 C00001 C00001\nSETTOOL TL#(3) P000\n");
     for (name, line) in [("USER 2", 15), ("TOOL 3", 16)] {
         let words = format!("line {line} changes {name} while the job runs");
