@@ -110,6 +110,7 @@ pub fn rewrite(fitted: &FittedModel, file: &Path, options: &Rewriting) -> Result
         mark: options.mark,
         leave: options.leave.clone(),
         dry_run: options.dry_run,
+        offsets: false,
         controller_base: options.controller_base,
         controller_flange: options.controller_flange,
         start: options.start.clone(),

@@ -34,6 +34,9 @@ struct Backup {
 
 /// Runs it.
 pub(super) fn run(args: &Compensate, from: &Path) -> Result<(), Failure> {
+    if args.robot_program.offsets {
+        return Err(Failure::Input("--offsets: one program is needed, not a folder".into()));
+    }
     apart(from, &args.out)?;
     let page = Folder::with_head(args.report.as_ref(), "compensation.json", args.certificate.as_ref())?;
     let fitted = fitted(args)?;
@@ -115,6 +118,7 @@ pub(super) fn whole(fitted: &FittedModel, from: &Path, asked: &Asked<'_>) -> Res
         files: made.into_iter().flat_map(|program| program.files).collect(),
         refused: backup.refused.into_iter().map(|(file, words)| (file, 0, words)).collect(),
         unused: Vec::new(),
+        offsets: Vec::new(),
     })
 }
 

@@ -2,6 +2,7 @@
 
 mod asked;
 mod folder;
+mod offsets;
 mod outputs;
 mod places;
 mod rewriting;
@@ -48,6 +49,9 @@ pub fn run(args: &Compensate, file: &Path, read: &[NamedFile]) -> Result<(), Fai
     let own = &args.robot_program;
     let asked = Asked { own, frame: &args.frame, tcp: &args.tcp, frames: args.frames.as_deref() };
     let made = rewrite(&fitted, file, &asked)?;
+    if own.offsets {
+        return offsets::write(args, &made);
+    }
     let outputs = outputs(&args.out, &made.files, read)?;
     let mut files = WholeFiles::default();
     for (out, part) in outputs.iter().zip(&made.files) {
