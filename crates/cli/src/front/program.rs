@@ -2,7 +2,7 @@
 
 use crate::args::{GivenPlace, Place, RobotProgram, TaughtFrom, parse_given};
 use crate::failure::Failure;
-use crate::verbs::program::{Asked, rewrite as rewritten};
+use crate::verbs::program::{Asked, rewrite as rewritten, whole};
 use std::path::{Path, PathBuf};
 use truepose_controllers::Dialect;
 use truepose_errormodel::FittedModel;
@@ -124,7 +124,9 @@ pub fn rewrite(fitted: &FittedModel, file: &Path, options: &Rewriting) -> Result
     };
     let (frame, tcp) = (places(&options.frames)?, places(&options.tools)?);
     let asked = Asked { own: &own, frame: &frame, tcp: &tcp, frames: None };
-    let made = rewritten(&fitted.clone().of_robot(), file, &asked).map_err(Failure::message)?;
+    let fitted = fitted.clone().of_robot();
+    let made = if file.is_dir() { whole(&fitted, file, &asked) } else { rewritten(&fitted, file, &asked) };
+    let made = made.map_err(Failure::message)?;
     let refused = made.refused.into_iter().filter(|(_, line, _)| file.is_dir() && *line == 0);
     let refused = refused.map(|(file, _, words)| (file, words)).collect();
     let files = made.files.into_iter();

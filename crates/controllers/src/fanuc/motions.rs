@@ -1,6 +1,6 @@
 //! Instructions: which points are reached, and which are displaced on the way.
 
-use super::statements::{called, statements};
+use super::statements::{PAYLOADS, called, statements};
 use super::subprograms::Subprograms;
 use crate::lines::Line;
 use crate::note::Note;
@@ -29,9 +29,6 @@ pub(super) struct Motions<'s> {
 /// Parts of words behind a point that move it, or the robot relative to something, in the languages of the controllers.
 const DISPLACING: [&str; 4] = ["OFFS", "VERSATZ", "DECAL", "DESPL"];
 const DISPLACES: [&str; 8] = ["INC", "INK", "INKR", "INCR", "COORD", "KOORD", "SEARCH", "SUCHE"];
-
-/// What selects a payload.
-pub(super) const PAYLOADS: [&str; 2] = ["PAYLOAD[", "TRAGLST["];
 
 /// The tool stands still.
 const REMOTE: &str = "RTCP";

@@ -2,6 +2,9 @@
 
 use crate::lines::Line;
 
+/// What selects a payload.
+pub(super) const PAYLOADS: [&str; 2] = ["PAYLOAD[", "TRAGLST["];
+
 /// Statements without comments, with their first lines.
 pub(super) fn statements(lines: &[Line<'_>]) -> Vec<(String, usize)> {
     let mut all: Vec<(String, usize)> = Vec::new();

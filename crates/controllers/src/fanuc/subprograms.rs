@@ -1,7 +1,6 @@
 //! What the other programs of a controller do where they are called.
 
-use super::motions::PAYLOADS;
-use super::statements::{called, statements};
+use super::statements::{PAYLOADS, called, statements};
 use crate::lines::lines;
 use std::collections::BTreeMap;
 

@@ -109,7 +109,7 @@ fn compensated(
 }
 
 /// All programs of a folder as one; `refused` has a line 0 for each program that is not compensated.
-pub(super) fn whole(fitted: &FittedModel, from: &Path, asked: &Asked<'_>) -> Result<Rewritten, Failure> {
+pub(crate) fn whole(fitted: &FittedModel, from: &Path, asked: &Asked<'_>) -> Result<Rewritten, Failure> {
     let (made, backup) = compensated(fitted, from, asked)?;
     let short = |path: &Path| path.strip_prefix(from).unwrap_or(path).to_path_buf();
     Ok(Rewritten {

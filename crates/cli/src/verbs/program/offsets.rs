@@ -1,6 +1,5 @@
 //! Corrections as other values of frames and tools.
 
-use super::rewriting::Rewritten;
 use super::rows::{Part, short};
 use crate::args::Compensate;
 use crate::failure::Failure;
@@ -42,13 +41,17 @@ pub(super) fn rows(
 }
 
 /// Writes their tables.
-pub(super) fn write(args: &Compensate, made: &Rewritten) -> Result<(), Failure> {
+pub(super) fn write(
+    args: &Compensate,
+    rows: &[OffsetRow],
+    notes: &[String],
+    language: &str,
+) -> Result<(), Failure> {
     let mut points = args.out.as_os_str().to_owned();
     points.push(".points.csv");
     let points = PathBuf::from(points);
     check_writable(&points)?;
-    let language =
-        truepose_controllers::Dialect::ALL.into_iter().find(|one| one.word() == made.view.language);
+    let language = truepose_controllers::Dialect::ALL.into_iter().find(|one| one.word() == language);
     let names = match language.map(|language| language.orientation()) {
         Some(Orientation::Abc) => &["X", "Y", "Z", "A", "B", "C"][..],
         Some(Orientation::Quaternion) => &["x", "y", "z", "q1", "q2", "q3", "q4"],
@@ -56,10 +59,10 @@ pub(super) fn write(args: &Compensate, made: &Rewritten) -> Result<(), Failure> 
         _ => &["x", "y", "z", "rx", "ry", "rz"],
     };
     let mut files = WholeFiles::default();
-    for file in offsets_files([&args.out, &points], names, &made.offsets)? {
+    for file in offsets_files([&args.out, &points], names, rows)? {
         files.push(file)?;
     }
-    for line in &made.notes {
+    for line in notes {
         terminal::log(&format!("note: {line}"));
     }
     files.finish()?;
@@ -70,9 +73,9 @@ pub(super) fn write(args: &Compensate, made: &Rewritten) -> Result<(), Failure> 
                 "rms_before_mm": 1e3 * row.rms[0], "rms_after_mm": 1e3 * row.rms[1],
             })
         };
-        return print_json(&made.offsets.iter().map(one).collect::<Vec<_>>());
+        return print_json(&rows.iter().map(one).collect::<Vec<_>>());
     }
-    for row in &made.offsets {
+    for row in rows {
         let [before, after] = row.rms.map(millimetres);
         terminal::print(&format!(
             "{} {}: {}: {before} RMS before, {after} with the value in {}\n",

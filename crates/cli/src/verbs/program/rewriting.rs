@@ -2,7 +2,7 @@
 
 use super::asked::{Asked, Files};
 use super::rows::{Part, rows, view};
-use super::{LISTED, folder, offsets, places, statements, taught};
+use super::{LISTED, offsets, places, statements, taught};
 use crate::failure::Failure;
 use std::path::{Path, PathBuf};
 use truepose_controllers::{ControllerError, Correction, Dialect, Outcome, Program, correct_all, unused};
@@ -38,11 +38,8 @@ pub(crate) struct Rewritten {
     pub offsets: Vec<OffsetRow>,
 }
 
-/// Rewrites the program of a file, and the further files that have points of it, or all programs of a folder. `fitted` is that of the robot alone, in one session.
+/// Rewrites the program of a file, and the further files that have points of it. `fitted` is that of the robot alone, in one session.
 pub(crate) fn rewrite(fitted: &FittedModel, file: &Path, asked: &Asked<'_>) -> Result<Rewritten, Failure> {
-    if file.is_dir() {
-        return folder::whole(fitted, file, asked);
-    }
     let own = std::iter::once(file).chain(asked.own.with.iter().map(AsRef::as_ref)).collect();
     let made = rewritten(fitted, &Files { own, tables: Vec::new() }, asked)?;
     let mut made = made.ok_or_else(|| {
