@@ -127,8 +127,9 @@ pub fn offsets(
         let offset = Offset { name, tool, value, points: pairs.iter().map(one).collect() };
         let [before, after] = offset.rms();
         // An offset through fewer numbers than it has leaves nothing of them, wherever it is elsewhere.
-        let count = 3.0 * pairs.len() as f64;
-        let adjusted = if count > unknowns { after * (count / (count - unknowns)).sqrt() } else { after };
+        let count = 3 * pairs.len();
+        let free = count.saturating_sub(unknowns).max(1);
+        let adjusted = after * (count as f64 / free as f64).sqrt();
         match adjusted < before {
             true => all.push(offset),
             false => refused.push(format!(
@@ -156,7 +157,7 @@ fn fixed(frame: &Reference) -> bool {
 }
 
 /// The small motion of the frame, and how many numbers it has.
-fn of_frame(pairs: &[Pair]) -> (Pose, f64) {
+fn of_frame(pairs: &[Pair]) -> (Pose, usize) {
     // About the middle of the points the rotation is independent of the translation.
     let count = pairs.len() as f64;
     let middle = pairs.iter().map(|pair| pair.before.translation).sum::<Vector3<f64>>() / count;
@@ -174,17 +175,17 @@ fn of_frame(pairs: &[Pair]) -> (Pose, f64) {
     let turn = turn.map_or(Vector3::zeros(), |turn| Vector3::new(turn[0], turn[1], turn[2]));
     let known = svd.singular_values.iter().filter(|&&value| value > least).count();
     let rotation = rotation_vector(&turn);
-    (Pose::new(rotation, middle + shift - rotation * middle), 3.0 + known as f64)
+    (Pose::new(rotation, middle + shift - rotation * middle), 3 + known)
 }
 
 /// The small motion of the tool, and how many numbers place its tip.
-fn of_tool(pairs: &[Pair]) -> (Pose, f64) {
+fn of_tool(pairs: &[Pair]) -> (Pose, usize) {
     let count = pairs.len() as f64;
     let back = |pair: &Pair| -> Matrix3<f64> { pair.before.rotation.transpose() };
     let shift = pairs.iter().map(|pair| back(pair) * moved(pair)).sum::<Vector3<f64>>() / count;
     let turn =
         pairs.iter().map(|pair| rotation_log(&(back(pair) * pair.after.rotation))).sum::<Vector3<f64>>();
-    (Pose::new(rotation_vector(&(turn / count)), shift), 3.0)
+    (Pose::new(rotation_vector(&(turn / count)), shift), 3)
 }
 
 fn moved(pair: &Pair) -> Vector3<f64> {
@@ -208,16 +209,16 @@ mod tests {
         let places = [[0.0, 0.0, 0.0], [0.4, 0.1, 0.0], [0.1, 0.5, 0.2], [0.3, 0.2, -0.1]];
         let small = Pose::from_xyz_rpy([2e-3, -1e-3, 5e-4], [1e-3, -2e-3, 3e-3]);
         let (found, unknowns) = of_frame(&pairs(&places, |pose| small * *pose));
-        assert!((found.translation - small.translation).norm() < 5e-6 && unknowns == 6.0, "{found:?}");
+        assert!((found.translation - small.translation).norm() < 5e-6 && unknowns == 6, "{found:?}");
         assert!(rotation_log(&(found.rotation.transpose() * small.rotation)).norm() < 2e-5);
         let (found, unknowns) = of_tool(&pairs(&places, |pose| *pose * small));
-        assert!((found.translation - small.translation).norm() < 1e-12 && unknowns == 3.0);
+        assert!((found.translation - small.translation).norm() < 1e-12 && unknowns == 3);
         assert!(rotation_log(&(found.rotation.transpose() * small.rotation)).norm() < 1e-12);
         // On a line the rotation about it is unknown, at one place all of them.
         let line: Vec<[f64; 3]> = (0..4).map(|k| [0.1 * f64::from(k), 0.0, 0.0]).collect();
         let (found, unknowns) = of_frame(&pairs(&line, |pose| small * *pose));
-        assert!(rotation_log(&found.rotation).x.abs() < 1e-9 && unknowns == 5.0, "{found:?}");
+        assert!(rotation_log(&found.rotation).x.abs() < 1e-9 && unknowns == 5, "{found:?}");
         let (found, unknowns) = of_frame(&pairs(&line[..1], |pose| small * *pose));
-        assert!(rotation_log(&found.rotation).norm() < 1e-12 && unknowns == 3.0);
+        assert!(rotation_log(&found.rotation).norm() < 1e-12 && unknowns == 3);
     }
 }
