@@ -5,7 +5,8 @@ use crate::programs::{arm, flange, identified, plant};
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use truepose_compensate::installation;
 use truepose_controllers::{
-    CorrectOptions, Dialect, Outcome, Program, Taught, Touched, Value, correct, is_stated,
+    CorrectOptions, Dialect, Offset, Outcome, Program, Taught, Touched, Value, correct, correct_all,
+    is_stated, offsets,
 };
 use truepose_errormodel::FittedModel;
 use truepose_kinematics::{Conditions, Pose, rotation_log, rotation_vector};
@@ -129,6 +130,13 @@ impl Fixture {
             (really(&self.plant, &joints).translation - self.real.apply(&meant.translation)).norm()
         };
         poses.zip(&self.points).map(one).collect()
+    }
+
+    /// The offset of the frame, or of the tool, and in words what none improves.
+    fn offset(&self, text: &str, options: &CorrectOptions) -> (Vec<Offset>, Vec<String>) {
+        let program = [Program::read(text.as_bytes(), &[], Dialect::Krl).expect("a program")];
+        let corrections = correct_all(&program, &self.fitted, options).expect("corrections");
+        offsets(&program, &corrections, options).expect("offsets")
     }
 
     fn corrected(&self, options: &CorrectOptions) -> Vec<f64> {
@@ -255,4 +263,54 @@ fn a_tool_that_was_taught_at_a_fixed_tip_is_corrected_as_well() {
     options.tools[0].1.translation.x += 0.02;
     let error = correct(&program, &fixture.fitted, &options).expect_err("another tool").to_string();
     assert!(error.contains("tip.csv: from these joints the controller has the tip at"), "{error}");
+}
+
+#[test]
+fn the_real_robot_misses_what_remains_of_an_offset() {
+    let mut fixture = Fixture::new();
+    let base = installation(&fixture.fitted).expect("an installation").base;
+    // The frame is where it was measured.
+    fixture.frame = base.inverse() * fixture.real;
+    let options = fixture.options();
+    let program = Program::read(fixture.text().as_bytes(), &[], Dialect::Krl).expect("a program");
+    let before = fixture.misses(&program);
+    let (found, refused) = fixture.offset(&fixture.text(), &options);
+    assert_eq!(refused, ["points in joint values have no frame: no offset corrects them (1)"]);
+    let [offset] = &found[..] else { panic!("{found:?}") };
+    assert!(!offset.tool && offset.name == "BASE_DATA[2]" && offset.points.len() == 27);
+    fixture.frame = offset.value;
+    let after = fixture.misses(&program);
+    for ((point, before), after) in offset.points.iter().zip(&before).zip(&after) {
+        assert!((point.before - before).abs() < 2e-5, "{point:?} {before}");
+        assert!((point.after - after).abs() < 5e-5, "{point:?} {after}");
+    }
+    let [rms, left] = offset.rms();
+    println!("mm RMS: {:.3} before, {:.3} with the offset of the frame", 1e3 * rms, 1e3 * left);
+    assert!(left < 0.5 * rms, "{rms} {left}");
+}
+
+#[test]
+fn points_in_the_base_get_an_offset_of_the_tool_and_few_points_none_that_does_not_help() {
+    let fixture = Fixture::new();
+    let mut options = fixture.options();
+    // The same poses in the base, on a place away from the fixture.
+    let frame = fixture.frame;
+    let mut based = fixture.text().lines().take(4).collect::<Vec<_>>().join("\n") + "\n";
+    for pose in &fixture.points[..6] {
+        let at = frame * *pose;
+        let ([x, y, z], [c, b, a]) =
+            ([0, 1, 2].map(|k| 1e3 * at.translation[k]), at.rpy().map(f64::to_degrees));
+        based += &format!("LIN {{X {x:.6},Y {y:.6},Z {z:.6},A {a:.7},B {b:.7},C {c:.7}}}\n");
+    }
+    let based = based.replace("BASE_DATA[2]", "$NULLFRAME");
+    options.frames.clear();
+    let (found, refused) = fixture.offset(&based, &options);
+    println!("{refused:?} {:?}", found.iter().map(Offset::rms).collect::<Vec<_>>());
+    let helps =
+        found.iter().all(|offset| offset.tool && offset.name == "TOOL_DATA[1]" && offset.points.len() == 6);
+    let words = "TOOL_DATA[1]: no offset improves its 6 points";
+    assert!(helps && found.len() + usize::from(refused.iter().any(|other| other.starts_with(words))) == 1);
+    // Neither a frame nor a tool: nothing can be set.
+    let (found, _) = fixture.offset(&based.replace("TOOL_DATA[1]", "$NULLFRAME"), &options);
+    assert!(found.is_empty(), "{found:?}");
 }

@@ -23,7 +23,8 @@ mod val3;
 
 pub use backup::{Role, linked};
 pub use correct::{
-    CorrectOptions, Correction, Outcome, Taught, Touched, correct, correct_all, is_stated, unused,
+    CorrectOptions, Correction, Offset, Outcome, Remaining, Taught, Touched, correct, correct_all, is_stated,
+    offsets, unused,
 };
 pub use dialect::Dialect;
 pub use error::ControllerError;

@@ -161,6 +161,8 @@ pub(crate) enum Definition {
     SameAs(String),
     /// Mass, kg, and centre of gravity in the flange, m.
     Load(f64, Vector3<f64>),
+    /// A setting of the controller that is on or off.
+    Switch(bool),
     /// It has a value that cannot be used, for this reason.
     Unusable(String),
     /// Its points are not compensated, whatever else is stated.
@@ -194,7 +196,7 @@ impl Definitions {
         // Chains of names are short; a ring of them has no value.
         for _ in 0..8 {
             match self.0.get(name) {
-                None | Some(Definition::Load(..)) => return Ok(None),
+                None | Some(Definition::Load(..) | Definition::Switch(_)) => return Ok(None),
                 Some(Definition::Value(pose)) => return Ok(Some(*pose)),
                 Some(Definition::Unusable(words) | Definition::Excluded(words)) => return Err(words.clone()),
                 Some(Definition::SameAs(other)) => name = other,
@@ -220,6 +222,14 @@ impl Definitions {
             }
             Reference::Unknown(words) => Carried::Open(words.clone()),
             _ => Carried::unstated(),
+        }
+    }
+
+    /// Whether a setting of the controller is on; none where the files do not have it.
+    pub(crate) fn switch(&self, name: &str) -> Option<bool> {
+        match self.0.get(name) {
+            Some(Definition::Switch(on)) => Some(*on),
+            _ => None,
         }
     }
 

@@ -79,6 +79,54 @@ pub fn corrections_file(
     Ok(table.into_file())
 }
 
+/// A frame or a tool that has the corrections of its points as another value.
+#[derive(Debug, Clone)]
+pub struct OffsetRow {
+    /// Its name in the program.
+    pub name: String,
+    /// Whether it is a tool.
+    pub tool: bool,
+    /// Its new value in the form of the program's language.
+    pub numbers: Vec<f64>,
+    /// Root mean square of the corrections and of what remains, m.
+    pub rms: [f64; 2],
+    /// File, name and line of each point with its correction and what remains of it, m.
+    pub points: Vec<(String, String, usize, [f64; 2])>,
+}
+
+/// The files of offsets, under no names yet: one row a frame, and one row a point.
+///
+/// # Errors
+/// When a file cannot be written.
+pub fn offsets_files(
+    [frames, points]: [&Path; 2],
+    numbers: &[&str],
+    rows: &[OffsetRow],
+) -> Result<[WholeFile; 2], IoError> {
+    let header = |names: &[&str]| names.iter().map(|name| (*name).to_owned()).collect::<Vec<_>>();
+    let own = [&["name", "kind"][..], numbers, &["points", "rms_before[m]", "rms_after[m]"]].concat();
+    let mut of_frames = TableWriter::create(frames, &header(&own))?;
+    let own = ["file", "point", "line", "name", "before[m]", "after[m]"];
+    let mut of_points = TableWriter::create(points, &header(&own))?;
+    for row in rows {
+        of_frames.text(&row.name);
+        of_frames.text(if row.tool { "tool" } else { "frame" });
+        row.numbers.iter().for_each(|&number| of_frames.number(number));
+        of_frames.integer(row.points.len() as i64);
+        row.rms.iter().for_each(|&size| of_frames.number(size));
+        of_frames.end_row()?;
+        for (file, point, line, sizes) in &row.points {
+            of_points.text(file);
+            of_points.text(point);
+            of_points.integer(*line as i64);
+            of_points.text(&row.name);
+            sizes.iter().for_each(|&size| of_points.number(size));
+            of_points.end_row()?;
+        }
+    }
+    Ok([of_frames.into_file(), of_points.into_file()])
+}
+
 /// Most bytes of a file that is read whole: programs are far smaller.
 const MOST: u64 = 256 << 20;
 

@@ -28,7 +28,7 @@ mod unfinished;
 mod unit;
 mod write_whole;
 
-pub use corrections::{CorrectionRow, corrections_file, read_bytes};
+pub use corrections::{CorrectionRow, OffsetRow, corrections_file, offsets_files, read_bytes};
 pub use digest::{file_digest, sha256};
 pub use error::{IoError, Warning};
 pub use export::{ExportUnits, write_measurements, write_observations};

@@ -33,9 +33,10 @@ fn given(placed: Vec<Placed>) -> Vec<Given> {
     placed.into_iter().map(one).collect()
 }
 
-/// The texts of the program and of the further files that have points of it, their corrections as columns, the summary as JSON, and notes.
+/// The texts of the program and of the further files that have points of it, their corrections as columns, the summary as JSON, notes, and
+/// programs of a folder that are not compensated.
 #[pyfunction]
-#[pyo3(signature = (fit, file, with_, language, frames, tools, limit, mark, leave, dry_run, controller_base, controller_flange, start, payload, channels, ignore_external, turn_axes, pulses))]
+#[pyo3(signature = (fit, file, with_, language, frames, tools, taught, measured, cad, external, limit, mark, leave, dry_run, controller_base, controller_flange, start, payload, channels, ignore_external, turn_axes, pulses))]
 #[allow(clippy::too_many_arguments, clippy::type_complexity)]
 pub fn rewrite<'py>(
     py: Python<'py>,
@@ -45,6 +46,10 @@ pub fn rewrite<'py>(
     language: Option<String>,
     frames: Vec<Placed>,
     tools: Vec<Placed>,
+    taught: Vec<(String, PathBuf, Option<String>)>,
+    measured: Vec<String>,
+    cad: Vec<String>,
+    external: Vec<(String, String)>,
     limit: f64,
     mark: bool,
     leave: Vec<String>,
@@ -57,7 +62,13 @@ pub fn rewrite<'py>(
     ignore_external: bool,
     turn_axes: Vec<usize>,
     pulses: Vec<f64>,
-) -> PyResult<(Vec<(PathBuf, Bound<'py, PyBytes>)>, Bound<'py, PyDict>, String, Vec<String>)> {
+) -> PyResult<(
+    Vec<(PathBuf, Bound<'py, PyBytes>)>,
+    Bound<'py, PyDict>,
+    String,
+    Vec<String>,
+    Vec<(PathBuf, String)>,
+)> {
     if !(limit.is_finite() && limit > 0.0) {
         return Err(input(format!("limit: {limit} is no length above 0, in m")));
     }
@@ -67,6 +78,10 @@ pub fn rewrite<'py>(
         language,
         frames: given(frames),
         tools: given(tools),
+        taught,
+        measured,
+        cad,
+        external,
         limit,
         mark,
         leave,
@@ -102,5 +117,5 @@ pub fn rewrite<'py>(
     all.set_item("within_95", vector(py, list.iter().map(|row| row.within_95).collect()))?;
     let summary = serde_json::to_string(&made.view).map_err(input)?;
     let texts = made.files.iter().map(|part| (part.file.clone(), PyBytes::new(py, &part.text)));
-    Ok((texts.collect(), all, summary, made.notes))
+    Ok((texts.collect(), all, summary, made.notes, made.refused))
 }

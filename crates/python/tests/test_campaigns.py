@@ -244,6 +244,44 @@ def test_frames_of_programs_in_numbers_and_in_words(fit: tp.Fit, tmp_path: Path)
     assert len(numbers.outcomes) == 2
 
 
+def test_programs_of_a_folder(fit: tp.Fit, tmp_path: Path) -> None:
+    fit.save(tmp_path / "fit.json")
+    backup, new = tmp_path / "BACKUP", tmp_path / "NEW"
+    (backup / "R1").mkdir(parents=True)
+    go = "DEF {}()\nPTP {{A1 50,A2 -100,A3 80,A4 -25,A5 -50,A6 70,E1 {}}}\n{}END\n"
+    (backup / "R1" / "a.src").write_text(go.format("a", 0, ""))
+    (backup / "b.src").write_text(go.format("b", 0, ""))
+    (backup / "c.src").write_text(go.format("c", 0, "LIN_REL {Z 5}\n"))
+    told = program("compensate", "--fit", tmp_path / "fit.json", "--program", backup, "--out", new, "--json")
+    made = tp.rewrite(fit, backup)
+    assert made.summary == json.loads(told.stdout)
+    assert list(made.refused) == [str(backup / "c.src")] and "line" not in made.program.decode()
+    made.save(tmp_path / "SAVED")
+    for name in ("R1/a.src", "b.src"):
+        assert (tmp_path / "SAVED" / name).read_bytes() == (new / name).read_bytes() == made.others[str(backup / name)]
+
+
+def test_frames_that_were_taught_and_external_axes(fit: tp.Fit, tmp_path: Path) -> None:
+    fit.save(tmp_path / "fit.json")
+    job, new = tmp_path / "job.src", tmp_path / "new.src"
+    job.write_text("DEF job()\n$BASE={X 5,Y 0,Z 0,A 0,B 0,C 0}\n$TOOL=$NULLFRAME\nPTP {A1 50,A2 -100,A3 80,A4 -25,A5 -50,A6 70,E1 7}\nLIN {X 600.0,Y 100.0,Z 300.0,A 10.0,B 80.0,C 5.0,E1 7}\nEND\n")
+    touched = tmp_path / "points.csv"
+    joints = [f"{joint.name}[deg]" for joint in fit.robot.joints]
+    touched.write_text(",".join(["point", *joints]) + "\n" + "\n".join(f"{word},50,-100,80,-25,-50,{k}" for k, word in enumerate(("origin", "x", "xy"))) + "\n")
+    name = "$BASE in line 2"
+    common = ("compensate", "--fit", tmp_path / "fit.json", "--program", job, "--out", new, "--ignore-external", "--mark")
+    for options, words in (({"taught": {name: touched}}, ("--taught", f"{name}={touched}")), ({"taught": {name: (touched, "flange")}}, ("--taught", f"{name}={touched},flange"))):
+        told = program(*common, *words).stderr
+        with pytest.raises(tp.InputError) as found:
+            tp.rewrite(fit, job, ignore_external=True, mark=True, **options)
+        assert str(found.value) in told
+    for options, words in (({"measured": [name]}, ("--measured", name)), ({"cad": [name]}, ("--cad", name))):
+        told = json.loads(program(*common, *words, "--json").stdout)
+        assert tp.rewrite(fit, job, ignore_external=True, mark=True, **options).summary == told
+    with pytest.raises(tp.InputError, match="which the fit has not"):
+        tp.rewrite(fit, job, external={"E1": "track"})
+
+
 def test_looks_are_planned(fit: tp.Fit, tmp_path: Path) -> None:
     fit.save(tmp_path / "fit.json")
     told = json.loads(ran("plan", "--for", "monitor", "--fit", tmp_path / "fit.json", "--out", tmp_path / "plan.csv", "--json"))

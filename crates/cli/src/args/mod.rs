@@ -13,7 +13,7 @@ mod values;
 
 pub use acceptance::{FramesFrom, Iso9283};
 pub use dwell::DwellOf;
-pub use files::{Files, Input, NamedFile, OutputFolder, Prior};
+pub use files::{Files, Input, NamedFile, OutputFolder, Prior, TaughtFrom};
 pub use fitted::{Accept, Compensate, Export, ExportFormat, Map, Plan, PlannedTest, Predict, YamlStyle};
 pub use grouped::{Grouped, NamedColumns};
 pub use measured::{Compare, Discover, Identify, Measured, SplitKind};

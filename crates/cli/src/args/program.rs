@@ -42,6 +42,10 @@ pub struct RobotProgram {
     /// Write the program as it is, and the table of corrections
     #[arg(long, requires = "program")]
     pub dry_run: bool,
+    /// Write the corrections as other values of frames (of tools, where points are in the base), where a program must not be changed: --out
+    /// is a table with one row for each, OUT.points.csv has what remains at each point; no program is written
+    #[arg(long, requires = "program", conflicts_with_all = ["dry_run", "report"])]
+    pub offsets: bool,
     /// The controller's base in that of the robot description: x,y,z,roll,pitch,yaw, e.g. 0mm,0mm,450mm,0,0,0 [default: the same]
     #[arg(long, value_name = "FRAME", value_parser = parse_pose, requires = "program", allow_hyphen_values = true)]
     pub controller_base: Option<Pose>,

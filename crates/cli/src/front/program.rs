@@ -1,8 +1,8 @@
 //! Robot programs with compensated points.
 
-use crate::args::{GivenPlace, Place, RobotProgram, parse_given};
+use crate::args::{GivenPlace, Place, RobotProgram, TaughtFrom, parse_given};
 use crate::failure::Failure;
-use crate::verbs::program::{Asked, rewrite as rewritten};
+use crate::verbs::program::{Asked, rewrite as rewritten, whole};
 use std::path::{Path, PathBuf};
 use truepose_controllers::Dialect;
 use truepose_errormodel::FittedModel;
@@ -30,6 +30,14 @@ pub struct Rewriting {
     pub frames: Vec<Given>,
     /// Its tools.
     pub tools: Vec<Given>,
+    /// Frames and tools that were taught by touching: name, file of the joints, tool that touched.
+    pub taught: Vec<(String, PathBuf, Option<String>)>,
+    /// Frames and tools that were measured.
+    pub measured: Vec<String>,
+    /// Those of a drawing.
+    pub cad: Vec<String>,
+    /// External axes that are joints of the fit: name in the program, joint.
+    pub external: Vec<(String, String)>,
     /// Largest correction of a point, m.
     pub limit: f64,
     /// Leaves points unchanged that cannot be compensated.
@@ -76,9 +84,11 @@ pub struct Rewritten {
     pub view: ProgramView,
     /// What is to be known of it.
     pub notes: Vec<String>,
+    /// Programs of a folder that are not compensated, and why.
+    pub refused: Vec<(PathBuf, String)>,
 }
 
-/// Rewrites the program of a file. `fitted` is in one session.
+/// Rewrites the program of a file, or all programs of a folder. `fitted` is in one session.
 ///
 /// # Errors
 /// When the program cannot be read, a frame is not known, or points cannot be compensated and neither `mark` nor `dry_run` is set.
@@ -93,30 +103,39 @@ pub fn rewrite(fitted: &FittedModel, file: &Path, options: &Rewriting) -> Result
         program: Some(file.into()),
         with: options.with.iter().map(Into::into).collect(),
         language: language.transpose()?,
-        taught: Vec::new(),
-        measured: Vec::new(),
-        cad: Vec::new(),
+        taught: options.taught.iter().map(|(name, file, tool)| from(name, file, tool.as_deref())).collect(),
+        measured: options.measured.clone(),
+        cad: options.cad.clone(),
         limit: options.limit,
         mark: options.mark,
         leave: options.leave.clone(),
         dry_run: options.dry_run,
+        offsets: false,
         controller_base: options.controller_base,
         controller_flange: options.controller_flange,
         start: options.start.clone(),
         payload: options.payload.map(|(mass, _)| mass),
         com: options.payload.map(|(_, com)| com),
         channel: options.channels.clone(),
-        external: Vec::new(),
+        external: options.external.clone(),
         ignore_external: options.ignore_external,
         turn_axes: options.turn_axes.clone(),
         pulses: options.pulses.clone(),
     };
     let (frame, tcp) = (places(&options.frames)?, places(&options.tools)?);
     let asked = Asked { own: &own, frame: &frame, tcp: &tcp, frames: None };
-    let made = rewritten(&fitted.clone().of_robot(), file, &asked).map_err(Failure::message)?;
+    let fitted = fitted.clone().of_robot();
+    let made = if file.is_dir() { whole(&fitted, file, &asked) } else { rewritten(&fitted, file, &asked) };
+    let made = made.map_err(Failure::message)?;
+    let refused = made.refused.into_iter().filter(|(_, line, _)| file.is_dir() && *line == 0);
+    let refused = refused.map(|(file, _, words)| (file, words)).collect();
     let files = made.files.into_iter();
     let files = files.map(|part| RewrittenFile { file: part.file, text: part.text, rows: part.rows });
-    Ok(Rewritten { files: files.collect(), view: made.view, notes: made.notes })
+    Ok(Rewritten { files: files.collect(), view: made.view, notes: made.notes, refused })
+}
+
+fn from(name: &str, file: &Path, tool: Option<&str>) -> TaughtFrom {
+    TaughtFrom { name: name.into(), file: file.into(), tool: tool.map(Into::into) }
 }
 
 fn places(given: &[Given]) -> Result<Vec<GivenPlace>, String> {

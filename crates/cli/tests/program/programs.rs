@@ -336,3 +336,43 @@ fn an_external_axis_is_a_joint_that_stays() {
     );
     assert!(run.log.contains("note: no point of the program uses the tool `UT7`"), "{}", run.log);
 }
+
+#[test]
+fn corrections_as_offsets_of_a_frame() {
+    let folder = fitted();
+    let places = [[620, 940, 2530], [660, 900, 2500], [580, 960, 2480], [600, 920, 2560]];
+    let lines: String = places
+        .iter()
+        .map(|[x, y, z]| format!("LIN {{X {x},Y {y},Z {z},A -70.8,B -24.0,C -0.6}}\n"))
+        .collect();
+    let text = format!(
+        "DEF job()\n$BASE=BASE_DATA[1]\n$TOOL=TOOL_DATA[1]\nPTP {{A1 50.668,A2 -106.651,A3 81.014,A4 -25.176,A5 -53.698,A6 72.074}}\n{lines}END\n"
+    );
+    folder.write("frames.src", &text);
+    let frames =
+        ["--frame", "BASE_DATA[1]=0mm,0mm,0mm,0,0,0.5", "--tool-frame", "TOOL_DATA[1]=40mm,0mm,230mm,0,0,0"];
+    let own =
+        ["compensate", "--fit", "fit.json", "--program", "frames.src", "--offsets", "--out", "offsets.csv"];
+    let run = folder.run(&[&own[..], &frames].concat()).ended(0);
+    assert!(run.out.starts_with("frame BASE_DATA[1]: 4 points: "), "{}", run.out);
+    assert!(
+        run.log.contains("points in joint values have no frame: no offset corrects them (1)"),
+        "{}",
+        run.log
+    );
+    let table = folder.read("offsets.csv");
+    assert!(
+        table.starts_with("name,kind,X,Y,Z,A,B,C,points,rms_before[m],rms_after[m]\nBASE_DATA[1],frame,"),
+        "{table}"
+    );
+    let points = folder.read("offsets.csv.points.csv");
+    assert!(
+        points.lines().count() == 5 && points.contains("frames.src,LIN in line 5,5,BASE_DATA[1],"),
+        "{points}"
+    );
+    // A folder has several programs.
+    let run = folder
+        .run(&["compensate", "--fit", "fit.json", "--program", ".", "--offsets", "--out", "../new"])
+        .ended(2);
+    assert!(run.log.contains("--offsets: one program is needed"), "{}", run.log);
+}

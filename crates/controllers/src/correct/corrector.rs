@@ -370,7 +370,9 @@ impl<'m> Corrector<'m> {
         };
         let pose = placed.before.inverse() * *flange * placed.behind;
         let like = self.dialect.orientation().write(&placed.pose.rotation, &point.written_orientation());
-        let numbers = point.numbers_of(&pose, self.dialect, &like);
+        let mut numbers = point.numbers_of(&pose, self.dialect, &like);
+        // A place on the way of a circular motion has no angles.
+        numbers.truncate(point.slots.len());
         // Data that does not describe the joints is not followed, and stays.
         let turns = match placed.stated {
             true => self.turns(&placed.branch, joints)?,

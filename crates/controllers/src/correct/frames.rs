@@ -85,6 +85,11 @@ impl<'p> Frames<'p> {
         Ok(if given { pose } else { self.root.inverse() * pose })
     }
 
+    /// The value of a frame in its own terms: the controller's world, or of an option its base.
+    pub(super) fn stated(&self, reference: &Reference) -> Result<Pose, String> {
+        self.value(reference, 0, &self.options.frames, self.options.frame).map(|(pose, _)| pose)
+    }
+
     /// A tool in the controller's flange.
     pub(super) fn tool(&self, reference: &Reference) -> Result<Pose, String> {
         self.value(reference, 1, &self.options.tools, self.options.tool).map(|(pose, _)| pose)

@@ -24,6 +24,7 @@ mod external;
 mod frames;
 mod inverse;
 mod near;
+mod offsets;
 mod options;
 mod outside;
 mod placed;
@@ -34,6 +35,7 @@ mod taught;
 
 pub use correction::{Correction, Outcome};
 pub use frames::{is_stated, unused};
+pub use offsets::{Offset, Remaining, offsets};
 pub use options::{CorrectOptions, Taught, Touched};
 
 use crate::ControllerError;

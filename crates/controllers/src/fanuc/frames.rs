@@ -14,6 +14,7 @@
 //!      Field: $PLST_GRP1[2].$PAYLOAD_X Access: RW: REAL = 0.000000e+00        _Y, _Z
 //! ```
 
+use super::statements::statements;
 use crate::Dialect;
 use crate::lines::lines;
 use crate::number::number_at;
@@ -59,6 +60,30 @@ pub(super) fn read(text: &[u8], definitions: &mut Definitions) {
         }
     }
 }
+
+/// Frames and tools to which a program gives another value, with the line: `UFRAME[1]=PR[3]`, `$MNUTOOL[1,2]=…`.
+pub(super) fn changed(text: &[u8]) -> Vec<(String, usize)> {
+    let one = |(text, line): (String, usize)| {
+        let (name, _) = text.split_once('=')?;
+        let name = name.replace(' ', "");
+        let (list, inside) = name.split_once('[')?;
+        let kind = match list {
+            "UFRAME" | "$MNUFRAME" => "UF",
+            "UTOOL" | "$MNUTOOL" => "UT",
+            _ => return None,
+        };
+        let number = inside.strip_suffix(']')?.rsplit([',', ':']).find_map(|part| part.parse::<u32>().ok());
+        // One that is computed may be any.
+        Some(match number {
+            Some(number) => vec![(format!("{kind}{number}"), line)],
+            None => (1..MOST_FRAMES).map(|number| (format!("{kind}{number}"), line)).collect(),
+        })
+    };
+    statements(&lines(text)).into_iter().filter_map(one).flatten().collect()
+}
+
+/// Controllers have fewer frames and tools.
+const MOST_FRAMES: u32 = 100;
 
 fn variable(bytes: &[u8]) -> Option<&'static str> {
     let text = String::from_utf8_lossy(bytes);

@@ -16,13 +16,16 @@
 mod frames;
 mod motions;
 mod position;
+mod statements;
+mod subprograms;
 
 use crate::event::Visit;
-use crate::lines::lines;
-use crate::program::Definitions;
+use crate::lines::{Line, lines};
+use crate::program::{Definition, Definitions};
 use crate::tokens::{Lexis, tokens_from};
 use crate::{ControllerError, Dialect, Program};
 use std::collections::BTreeMap;
+use subprograms::Subprograms;
 
 const LEXIS: Lexis = Lexis { comment: 0, quotes: b"\"'", header: None, escapes: false };
 
@@ -38,7 +41,8 @@ pub(crate) fn read(text: &[u8], others: &[&[u8]]) -> Result<Program, ControllerE
     let head = |word: &str| lines.iter().position(|line| line.after(word).is_some_and(<[u8]>::is_empty));
     let Some(mn) = head("/MN") else {
         return Err(ControllerError::NotAProgram(
-            "it has no line /MN: it is no program of FANUC's TP language".into(),
+            "it has no line /MN: it is no program of FANUC's TP language, and it has no frames, tools or payloads ($MNUFRAME, $MNUTOOL, $PLST_GRP1)"
+                .into(),
         ));
     };
     let pos = head("/POS").filter(|&pos| pos > mn).unwrap_or(lines.len());
@@ -50,13 +54,21 @@ pub(crate) fn read(text: &[u8], others: &[&[u8]]) -> Result<Program, ControllerE
         points = position::points(&text[..until], &all)?;
     }
     let known: Vec<i64> = points.iter().filter_map(position::number_of).collect();
-    let motions = motions::read(&lines[mn + 1..pos], &known);
+    for (name, line) in std::iter::once(text).chain(others.iter().copied()).flat_map(frames::changed) {
+        let words = format!("line {line} changes {name} while the program runs");
+        definitions.0.insert(name, Definition::Unusable(words));
+    }
+    let subprograms = Subprograms::of(others.iter().copied());
+    let motions = motions::read(&lines[mn + 1..pos], &known, &subprograms);
     let place: BTreeMap<i64, usize> =
         points.iter().enumerate().filter_map(|(k, point)| Some((position::number_of(point)?, k))).collect();
     for (number, words) in &motions.displaced {
         if let Some(&k) = place.get(number) {
             points[k].fixed.get_or_insert_with(|| words.clone());
         }
+    }
+    if let Some(words) = conveyor(&lines[..mn]) {
+        points.iter_mut().for_each(|point| point.fixed = Some(words.clone()));
     }
     for (number, load) in &motions.carried {
         if let Some(&k) = place.get(number) {
@@ -76,4 +88,12 @@ pub(crate) fn read(text: &[u8], others: &[&[u8]]) -> Result<Program, ControllerE
         route,
         notes: motions.notes,
     })
+}
+
+/// `LINE_TRACK_SCHEDULE_NUMBER : 1;` in front of /MN: positions are those on a conveyor that moves.
+fn conveyor(head: &[Line<'_>]) -> Option<String> {
+    let line = head.iter().find(|line| line.after("LINE_TRACK_SCHEDULE_NUMBER").is_some())?;
+    let shown = String::from_utf8_lossy(line.trimmed());
+    let number = shown.split(':').nth(1)?.trim().trim_end_matches(';').trim();
+    (number != "0").then(|| format!("the program follows a conveyor (line {}: {shown})", line.number))
 }

@@ -1,12 +1,14 @@
 //! Instructions: which points are reached, and which are displaced on the way.
 
+use super::statements::{PAYLOADS, called, statements};
+use super::subprograms::Subprograms;
 use crate::lines::Line;
 use crate::note::Note;
 use crate::program::Reference;
 use std::collections::{BTreeMap, BTreeSet};
 
 #[derive(Debug)]
-pub(super) struct Motions {
+pub(super) struct Motions<'s> {
     /// Numbers of the points in the order of the program (none: another place), whether the way is a line or an arc, and the line.
     pub(super) reached: Vec<(Option<i64>, bool, usize)>,
     /// Points that an instruction displaces, and why.
@@ -17,6 +19,9 @@ pub(super) struct Motions {
     payload: Reference,
     /// Whether lines are left out or run in another order.
     jumps: bool,
+    /// The line of an offset by touching that is on.
+    touched: Option<usize>,
+    subprograms: &'s Subprograms,
     /// Numbers of the points that have a value.
     known: BTreeSet<i64>,
 }
@@ -29,7 +34,7 @@ const DISPLACES: [&str; 8] = ["INC", "INK", "INKR", "INCR", "COORD", "KOORD", "S
 const REMOTE: &str = "RTCP";
 
 /// Words behind a point that leave it where it is: speeds, terminations, conditions, processes.
-const HARMLESS: [&str; 86] = [
+const HARMLESS: [&str; 91] = [
     "MM",
     "CM",
     "INCH",
@@ -60,10 +65,15 @@ const HARMLESS: [&str; 86] = [
     "PTH",
     "EV",
     "IND",
+    "IND.EV",
     "SKIP",
     "INTERRUPT",
     "LBL",
     "LABEL",
+    "LPOS",
+    "JPOS",
+    "CTV",
+    "AC",
     "P",
     "PR",
     "QUICK",
@@ -119,10 +129,27 @@ const HARMLESS: [&str; 86] = [
 ];
 
 /// Words behind which an action is stated, with names of its own.
-const ACTIONS: [&str; 12] =
-    ["TA", "TB", "DB", "TIME", "ZEIT", "TEMPS", "TIEMPO", "CALL", "AUFRUF", "DO", "DISTANCE", "POINT_LOGIC"];
+const ACTIONS: [&str; 14] = [
+    "TA",
+    "TB",
+    "DB",
+    "DA",
+    "TIME",
+    "ZEIT",
+    "WEG",
+    "TEMPS",
+    "TIEMPO",
+    "CALL",
+    "AUFRUF",
+    "DO",
+    "DISTANCE",
+    "POINT_LOGIC",
+];
 
-pub(super) fn read(lines: &[Line<'_>], known: &[i64]) -> Motions {
+/// Words behind which lines are left out or run in another order.
+const JUMPS: [&str; 6] = ["JMP", "SPRUNG", "IF", "WENN", "SELECT", "FOR"];
+
+pub(super) fn read<'s>(lines: &[Line<'_>], known: &[i64], subprograms: &'s Subprograms) -> Motions<'s> {
     let mut found = Motions {
         reached: Vec::new(),
         displaced: Vec::new(),
@@ -130,23 +157,13 @@ pub(super) fn read(lines: &[Line<'_>], known: &[i64]) -> Motions {
         notes: Vec::new(),
         payload: Reference::Unknown("no PAYLOAD is before it".into()),
         jumps: false,
+        touched: None,
+        subprograms,
         known: known.iter().copied().collect(),
     };
-    let mut statement: Vec<u8> = Vec::new();
-    let mut begun = 0;
-    for line in lines {
-        let text = line.trimmed();
-        let digits = text.iter().take_while(|byte| byte.is_ascii_digit()).count();
-        let Some(rest) = text[digits..].strip_prefix(b":") else { continue };
-        if digits > 0 {
-            found.statement(&statement, begun);
-            statement.clear();
-            begun = line.number;
-        }
-        statement.extend_from_slice(rest);
-        statement.push(b' ');
+    for (text, line) in statements(lines) {
+        found.statement(&text, line);
     }
-    found.statement(&statement, begun);
     if found.jumps && found.carried.values().any(|load| *load != found.payload) {
         let unknown = Reference::Unknown("the program jumps, and has several PAYLOADs".into());
         found.carried.values_mut().for_each(|load| load.clone_from(&unknown));
@@ -154,27 +171,29 @@ pub(super) fn read(lines: &[Line<'_>], known: &[i64]) -> Motions {
     found
 }
 
-impl Motions {
-    fn statement(&mut self, bytes: &[u8], line: usize) {
-        let text = String::from_utf8_lossy(bytes);
-        let text = text.trim();
-        if text.is_empty() || text.starts_with(['!', '/', '-']) {
-            return;
-        }
-        let rest = text.strip_prefix(['J', 'L', 'C', 'A', 'S']).unwrap_or("");
-        let goes = rest.trim_start().starts_with("P[") || rest.trim_start().starts_with("PR[");
-        if goes {
+impl Motions<'_> {
+    fn statement(&mut self, text: &str, line: usize) {
+        if let Some(rest) = destinations(text) {
             self.motion(rest, text, line);
-        } else if let Some(rest) = ["PAYLOAD[", "TRAGLST["].iter().find_map(|word| text.strip_prefix(word)) {
-            let number = rest.split(']').next().and_then(|number| number.trim().parse::<u32>().ok());
+        } else if let Some(payload) = payload(text) {
             let computed = || Reference::Unknown(format!("{} in line {line} is computed", shown(text)));
-            self.payload =
-                number.map_or_else(computed, |number| Reference::Named(format!("PAYLOAD[{number}]")));
-        } else if text.starts_with("JMP") || text.starts_with("IF") || text.starts_with("SELECT") {
-            self.jumps = true;
-            self.odd(text, line);
+            self.payload = match payload {
+                Payload::Schedule(number) => Reference::Named(format!("PAYLOAD[{number}]")),
+                Payload::Computed => computed(),
+                Payload::OfAnotherGroup => return,
+            };
         } else {
+            self.jumps |= JUMPS.iter().any(|word| text.starts_with(word));
+            let plain = text.to_uppercase().replace(' ', "");
+            if plain.starts_with("TOUCHOFFSET") {
+                self.touched = (!plain.starts_with("TOUCHOFFSETEND")).then_some(line);
+            }
             self.odd(text, line);
+        }
+        for name in called(text) {
+            if let Some(words) = self.subprograms.payload(&name) {
+                self.payload = Reference::Unknown(format!("{name} is called in line {line}, {words}"));
+            }
         }
     }
 
@@ -193,6 +212,13 @@ impl Motions {
 
     fn motion(&mut self, rest: &str, text: &str, line: usize) {
         let all = references(rest);
+        let linear = !text.starts_with('J');
+        if all.is_empty() {
+            self.reached.push((None, linear, line));
+            let words = "its position is that of no list of the program: where the robot moves is not known";
+            self.notes.push(Note::refusing(line, shown(text), words.into()));
+            return;
+        }
         let words = behind(rest);
         let displaces = |word: &&String| {
             DISPLACES.contains(&word.as_str()) || DISPLACING.iter().any(|part| word.contains(part))
@@ -203,6 +229,9 @@ impl Motions {
         if words.iter().any(|word| word == REMOTE) {
             why = Some(format!("{REMOTE} in line {line}: the tool stands still, which is not compensated"));
         }
+        if let (None, Some(line)) = (&why, self.touched) {
+            why = Some(format!("Touch Offset in line {line} displaces it while the program runs"));
+        }
         let stated = words.iter().position(|word| ACTIONS.contains(&word.as_str())).unwrap_or(words.len());
         let harmless =
             |word: &String| HARMLESS.contains(&word.trim_end_matches(|c: char| c.is_ascii_digit()));
@@ -212,7 +241,6 @@ impl Motions {
             let words = format!("`{word}` behind its point is not understood");
             self.notes.push(Note::refusing(line, shown(text), words));
         }
-        let linear = !text.starts_with('J');
         // Register arguments behind Offset are none of the destinations: at most two stand in front.
         let places = if text.starts_with('C') { 2 } else { 1 };
         for (list, number) in all.into_iter().take(places) {
@@ -237,6 +265,37 @@ impl Motions {
             }
         }
     }
+}
+
+/// What follows the letter of a motion: `L P[1] …`, `J @P[2] …`, `L PAL_1[BTM] …`.
+fn destinations(text: &str) -> Option<&str> {
+    let rest = text.strip_prefix(['J', 'L', 'C', 'A', 'S'])?;
+    let to = rest.trim_start().trim_start_matches('@');
+    let name = to.trim_start_matches(|c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-');
+    let blank = rest.starts_with(|c: char| c.is_whitespace() || c == '@');
+    let list = to.starts_with("P[") || to.starts_with("PR[");
+    (list || blank && name.len() < to.len() && name.starts_with('[')).then_some(to)
+}
+
+/// What a statement `PAYLOAD[…]` selects.
+enum Payload {
+    Schedule(u32),
+    Computed,
+    OfAnotherGroup,
+}
+
+/// `PAYLOAD[2]`, `TRAGLST[2]`, `PAYLOAD[GP1:2]`.
+fn payload(text: &str) -> Option<Payload> {
+    let rest = PAYLOADS.iter().find_map(|word| text.strip_prefix(word))?;
+    let inside = rest.split(']').next().unwrap_or("").trim();
+    let (group, number) =
+        inside.split_once(':').filter(|(group, _)| group.starts_with("GP")).unwrap_or(("GP1", inside));
+    let number = number.split(':').next().unwrap_or("").trim();
+    Some(match number.parse() {
+        _ if group.trim() != "GP1" => Payload::OfAnotherGroup,
+        Ok(number) => Payload::Schedule(number),
+        Err(_) => Payload::Computed,
+    })
 }
 
 /// Words behind the first point in capitals, without what is in brackets and quotes.

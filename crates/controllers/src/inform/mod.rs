@@ -10,13 +10,15 @@
 //! The values of user frames and tools are in files of their own (see `frames`): `USER 1`, `TOOL 0` name them.
 
 mod frames;
+mod stations;
 
 use crate::event::{Event, Visit};
 use crate::lines::{Line, lines};
 use crate::note::Note;
 use crate::number::{Form, Slot, number_at};
-use crate::program::{Branch, Definitions, Point, Reference, Value};
+use crate::program::{Branch, Definition, Definitions, Point, Reference, Value};
 use crate::{ControllerError, Dialect, Program};
+use stations::Stations;
 use std::collections::HashMap;
 
 pub(crate) fn read(text: &[u8], others: &[&[u8]]) -> Result<Program, ControllerError> {
@@ -29,21 +31,42 @@ pub(crate) fn read(text: &[u8], others: &[&[u8]]) -> Result<Program, ControllerE
         return Ok(Program::of_frames(Dialect::Inform, text, definitions));
     }
     if !lines.iter().any(|line| line.after("/JOB").is_some_and(<[u8]>::is_empty)) {
-        return Err(ControllerError::NotAProgram("it has no line /JOB: it is no job of INFORM".into()));
+        let words = match lines.iter().any(|line| is_parameters(line.trimmed())) {
+            true => {
+                "it has parameters of the controller (ALL.PRM, RC.PRM), which are not read: frames and tools are in UFRAME.CND and TOOL.CND, \
+                 pulses per degree are stated with --pulses"
+            }
+            false => {
+                "it has no line /JOB: it is no job of INFORM, and it has no frames or tools (UFRAME.CND, TOOL.CND)"
+            }
+        };
+        return Err(ControllerError::NotAProgram(words.into()));
     }
     let head = |word: &str| lines.iter().position(|line| line.after(word).is_some_and(<[u8]>::is_empty));
     let inst = head("//INST").unwrap_or(lines.len());
+    for (name, line) in lines.iter().skip(inst).filter_map(changed) {
+        let words = format!("line {line} changes {name} while the job runs");
+        definitions.0.insert(name, Definition::Unusable(words));
+    }
     let mut points = Vec::new();
+    let mut stations = Stations::default();
     if let Some(pos) = head("//POS").filter(|&pos| pos < inst) {
         let mut state = State::default();
         for line in &lines[pos + 1..inst] {
+            stations.line(line, state.kind.eq_ignore_ascii_case("PULSE"));
             let tool = Reference::Named(format!("{}.W", state.tool()));
             let point = state.line(text, line);
             points.extend(point.map(|point| Point { carried: definitions.load(&tool), ..point }));
         }
     }
-    let mut job =
-        Job { places: HashMap::new(), jumps: false, shift: None, route: Vec::new(), notes: Vec::new() };
+    let mut job = Job {
+        stations,
+        places: HashMap::new(),
+        jumps: false,
+        shift: None,
+        route: Vec::new(),
+        notes: Vec::new(),
+    };
     for (k, point) in points.iter().enumerate() {
         job.places.extend(key(&point.name).map(|key| (key, k)));
     }
@@ -63,6 +86,22 @@ pub(crate) fn read(text: &[u8], others: &[&[u8]]) -> Result<Program, ControllerE
         route,
         notes: job.notes,
     })
+}
+
+/// A frame or a tool that an instruction sets: `MFRAME UF#(1) …`, `SETTOOL TL#(2) P000`.
+fn changed(line: &Line<'_>) -> Option<(String, usize)> {
+    let text = String::from_utf8_lossy(line.trimmed());
+    let (kind, list, rest) = [("USER", "UF#(", "MFRAME"), ("TOOL", "TL#(", "SETTOOL")]
+        .into_iter()
+        .find_map(|(kind, list, verb)| Some((kind, list, text.strip_prefix(verb)?)))?;
+    let number: u32 = rest.split_once(list)?.1.split(')').next()?.trim().parse().ok()?;
+    Some((format!("{kind} {number}"), line.number))
+}
+
+/// `///RC1G`, `///S1C1G`: the head of a group of parameters.
+fn is_parameters(line: &[u8]) -> bool {
+    let name = line.strip_prefix(b"///").unwrap_or_default();
+    name.len() > 3 && name.ends_with(b"G") && (name.starts_with(b"RC") || name.starts_with(b"S1C"))
 }
 
 /// What the lines before state about the positions that follow.
@@ -175,6 +214,7 @@ const HARMLESS: [&str; 12] =
 
 /// What the instructions of a job do.
 struct Job {
+    stations: Stations,
     places: HashMap<(char, u64), usize>,
     /// Whether the order of the lines is not that in which they run.
     jumps: bool,
@@ -199,6 +239,15 @@ impl Job {
             "SFTON" => self.shifted(line.number, points),
             "SFTOF" => self.shift = None,
             "MOVJ" | "MOVL" | "MOVC" | "MOVS" => {
+                // Another robot, or a station, that moves at the same time, each for itself.
+                let (text, beside) = text.split_once(" +").unwrap_or((text, ""));
+                for name in beside.split(|c: char| !c.is_ascii_alphanumeric()).filter_map(key) {
+                    if let Some(&at) = self.places.get(&name) {
+                        let words =
+                            format!("it is that of another robot or of a station (line {})", line.number);
+                        points[at].fixed.get_or_insert(words);
+                    }
+                }
                 let options = text.split_whitespace().skip(1).filter(|word| key(word).is_none());
                 let odd = |word: &&str| !harmless(word);
                 if let Some(word) = options.into_iter().find(odd) {
@@ -210,7 +259,11 @@ impl Job {
                 let name = named.first().map(|name| format!("{}{:05}", name.0, name.1));
                 let name = name.unwrap_or_else(|| words.next().unwrap_or(verb).into());
                 match at {
-                    Some(at) => self.displaced(&mut points[at]),
+                    Some(at) => {
+                        self.displaced(&mut points[at]);
+                        let words = text.split_whitespace().chain(beside.split_whitespace());
+                        self.stations.move_to(words, &mut points[at], line.number);
+                    }
                     None => self.notes.push(Note::missing(line.number, text.into(), name)),
                 }
             }

@@ -18,6 +18,8 @@ pub(super) struct Candidate {
     pub(super) turns: Vec<Slot>,
     /// A component that is missing or no literal.
     pub(super) incomplete: Option<String>,
+    /// Whether it is a place on the way of a circular motion, without an orientation of its own.
+    pub(super) auxiliary: bool,
 }
 
 #[derive(Debug, Clone)]
@@ -98,5 +100,34 @@ pub(super) fn candidate(
         slots: slots.unwrap_or_default(),
         turns: turns.into_iter().collect(),
         incomplete,
+        auxiliary: false,
     })
+}
+
+impl Candidate {
+    /// The first point of a circular motion: without angles it is a place on the way, whose orientation is that of the destination.
+    pub(super) fn on_the_way(self, text: &[u8], aggregate: &Aggregate<'_>) -> Candidate {
+        let angles = ["A", "B", "C"].iter().any(|name| aggregate.has(name));
+        match aggregate.slots(text, &["X", "Y", "Z"], &[3; 3]).filter(|_| !angles) {
+            Some(slots) => Candidate { slots, incomplete: None, auxiliary: true, ..self },
+            None => self,
+        }
+    }
+
+    /// With the orientation of a destination.
+    pub(super) fn oriented(&self, destination: Option<&Candidate>) -> Candidate {
+        let mut candidate = self.clone();
+        match (&mut candidate.kind, destination.map(|destination| &destination.kind)) {
+            (Literal::Pose { numbers, .. }, Some(Literal::Pose { numbers: there, .. }))
+                if there.iter().all(|number| number.is_finite()) =>
+            {
+                numbers[3..].copy_from_slice(&there[3..]);
+            }
+            _ => {
+                let words = "A, B, C absent, and its destination has none in the files given";
+                candidate.incomplete = Some(words.into());
+            }
+        }
+        candidate
+    }
 }

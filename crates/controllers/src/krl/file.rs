@@ -6,13 +6,15 @@ use crate::ControllerError;
 use crate::flow::{Active, FRAME, Flow, Head, LOAD, Outer, Step, TOOL, unknown};
 use crate::program::{Definition, Reference};
 use crate::tokens::{Cursor, Kind, Lexis, tokens};
-use truepose_kinematics::nalgebra::Vector3;
 
 const LEXIS: Lexis = Lexis { comment: b';', quotes: b"\"'", header: Some(b'&'), escapes: false };
 /// Why points are not compensated where the tool stands still.
-const FIXED_TOOL: &str =
+pub(super) const FIXED_TOOL: &str =
     "the tool stands still and the robot holds the work ($IPO_MODE = #TCP), which is not compensated";
 const TYPES: [&str; 5] = ["E6POS", "POS", "E6AXIS", "AXIS", "FRAME"];
+/// Statements behind which nothing moves, whatever is in them.
+const STILL: [&str; 12] =
+    ["BOOL", "INT", "REAL", "CHAR", "RETURN", "WAIT", "SIGNAL", "ENUM", "STRUC", "EXT", "EXTFCT", "IMPORT"];
 /// No mode is set: the tool is on the robot.
 const ON_ROBOT: Active = [Reference::Identity, Reference::Identity, Reference::Identity];
 pub(super) const MOTIONS: [&str; 7] = ["PTP", "LIN", "CIRC", "SPTP", "SLIN", "SCIRC", "SPL"];
@@ -210,38 +212,11 @@ impl<'t> Reader<'t> {
         Ok(())
     }
 
-    /// `#TCP`, `#BASE`.
-    pub(super) fn mode(&mut self, at: &mut Cursor<'t>) {
-        at.take(b'#');
-        let on_robot = at.word().is_some_and(|word| word.eq_ignore_ascii_case("BASE"));
-        let to = if on_robot { Reference::Identity } else { Reference::Excluded(FIXED_TOOL.into()) };
-        self.mode.set(FRAME, to);
-    }
-
-    /// `LOAD_DATA[1]={M 12.0,CM {X 0.0,Y 0.0,Z 80.0,A …},J {…}}`.
-    fn load(&mut self, name: &str, aggregate: &Aggregate<'_>) {
-        let definition = match self.mass(aggregate) {
-            Some((mass, _)) if mass < 0.0 => {
-                Definition::Unusable(format!("{name} is the largest load (M is negative)"))
-            }
-            Some((mass, com)) => Definition::Load(mass, com),
-            None => Definition::Unusable(format!("{name} is not made of numbers")),
-        };
-        self.file.definitions.push((name.into(), definition));
-    }
-
-    /// Mass and centre of gravity, m.
-    fn mass(&self, aggregate: &Aggregate<'_>) -> Option<(f64, Vector3<f64>)> {
-        let center = aggregate.entry("CM")?.tokens;
-        let mut at = Cursor::new(self.text, center);
-        let center =
-            if at.take(b'{') { Aggregate::read(&mut at, aggregate.line).ok()? } else { return None };
-        let [x, y, z] = ["X", "Y", "Z"].map(|name| center.value(name));
-        Some((aggregate.value("M")?, 1e-3 * Vector3::new(x?, y?, z?)))
-    }
-
     /// A statement that is no motion: what a motion would have in it.
     fn odd(&mut self, at: &mut Cursor<'t>, name: &str, line: usize) {
+        if STILL.contains(&name) {
+            return;
+        }
         let (mut names, mut literal, mut verb) = (Vec::new(), false, false);
         while let Some(token) = at.next() {
             match token.kind {
@@ -261,86 +236,6 @@ impl<'t> Reader<'t> {
         }
         if literal || verb || !names.is_empty() {
             self.file.odd.push((line, name.into(), names, literal || verb));
-        }
-    }
-
-    /// `BAS(#BASE,2)`.
-    fn bas(&mut self, at: &mut Cursor<'t>) {
-        at.word();
-        at.take(b'(');
-        at.take(b'#');
-        let what = at.word().map(str::to_ascii_uppercase);
-        let which = match what.as_deref() {
-            Some("BASE") => FRAME,
-            Some("TOOL") => TOOL,
-            _ => return,
-        };
-        let list = if which == FRAME { "BASE_DATA" } else { "TOOL_DATA" };
-        at.take(b',');
-        let to = match at.number() {
-            Some((number, _)) if at.take(b')') => Reference::Named(format!("{list}[{number:.0}]")),
-            _ => Reference::Unknown("its number is computed".into()),
-        };
-        if which == TOOL {
-            let load = match &to {
-                Reference::Named(name) => Reference::Named(name.replace("TOOL_DATA", "LOAD_DATA")),
-                unknown => unknown.clone(),
-            };
-            self.flow.set(LOAD, load);
-        }
-        self.flow.set(which, to);
-    }
-
-    /// The right side of `$BASE =`.
-    pub(super) fn reference(
-        &mut self,
-        at: &mut Cursor<'t>,
-        which: usize,
-    ) -> Result<Reference, ControllerError> {
-        let line = at.peek().map_or(0, |token| token.line);
-        let found = if at.take(b'{') {
-            let aggregate = Aggregate::read(at, line)?;
-            if which == LOAD {
-                let name = format!("$LOAD in line {line}");
-                self.load(&name, &aggregate);
-                return Ok(Reference::Named(name));
-            }
-            pose(&aggregate).map_or(Reference::Unknown("its value is computed".into()), Reference::Value)
-        } else {
-            match name(at).as_deref() {
-                Some("$NULLFRAME") => Reference::Identity,
-                Some("STOOL2" | "STOOL" | "SBASE" | "SLOAD") if at.take(b'(') => {
-                    let data = name(at).unwrap_or_default();
-                    at.skip_closed();
-                    let part = ["BASE_NO", "TOOL_NO", "LOAD_NO"][which];
-                    Reference::Named(format!("{data}.{part}"))
-                }
-                Some(name) => Reference::Named(name.into()),
-                None => Reference::Unknown("its value is computed".into()),
-            }
-        };
-        let ends = at.peek().is_none_or(|token| token.kind == Kind::End || token.is(b','));
-        Ok(if ends { found } else { Reference::Unknown("its value is computed".into()) })
-    }
-
-    /// `FDAT FP1={TOOL_NO 1,BASE_NO 1,IPO_FRAME #BASE}`.
-    fn frame_data(&mut self, name: &str, aggregate: &Aggregate<'_>) {
-        let still = aggregate.entry("IPO_FRAME").is_some_and(|entry| {
-            entry
-                .tokens
-                .last()
-                .is_some_and(|token| self.text[token.range.clone()].eq_ignore_ascii_case(b"TCP"))
-        });
-        for (part, list) in [("BASE_NO", "BASE_DATA"), ("TOOL_NO", "TOOL_DATA"), ("LOAD_NO", "LOAD_DATA")] {
-            let number = if part == "LOAD_NO" { "TOOL_NO" } else { part };
-            let definition = match aggregate.value(number) {
-                _ if still => Definition::Excluded(format!(
-                    "the tool stands still (IPO_FRAME #TCP in {name}), which is not compensated"
-                )),
-                Some(number) => Definition::SameAs(format!("{list}[{number:.0}]")),
-                None => Definition::Unusable(format!("{name} has no {number}")),
-            };
-            self.file.definitions.push((format!("{name}.{part}"), definition));
         }
     }
 

@@ -16,6 +16,7 @@ mod candidate;
 mod file;
 mod motion;
 mod points;
+mod settings;
 
 use crate::program::{Definition, Definitions};
 use crate::{ControllerError, Program};

@@ -33,7 +33,7 @@ impl<'t> Reader<'t> {
             if place > 0 && !at.take(b',') {
                 break;
             }
-            self.destination(at, &verb, relative, used)?;
+            self.destination(at, &verb, relative, used, place + 1 < places)?;
         }
         Ok(())
     }
@@ -63,6 +63,7 @@ impl<'t> Reader<'t> {
         verb: &str,
         relative: bool,
         used: usize,
+        on_the_way: bool,
     ) -> Result<(), ControllerError> {
         let Some(token) = at.peek() else { return Ok(()) };
         let (line, start) = (token.line, token.range.start);
@@ -81,6 +82,7 @@ impl<'t> Reader<'t> {
             } else if !relative {
                 let named = format!("{verb} in line {line}");
                 let found = candidate(self.text, &named, &aggregate, false, true);
+                let found = found.map(|c| if on_the_way { c.on_the_way(self.text, &aggregate) } else { c });
                 self.file.candidates.extend(found.map(|c| Candidate { inline: Some(used), ..c }));
             }
         } else {

@@ -30,6 +30,8 @@ pub(super) fn program(text: &[u8], files: &[File], definitions: Definitions) -> 
             }
         };
         let carried = definitions.load(&active[LOAD]);
+        let whole = candidate.auxiliary.then(|| candidate.oriented(destination(candidate, files)));
+        let candidate = whole.as_ref().unwrap_or(candidate);
         points.push(Point { carried, ..point(candidate, active, uses.change(&candidate.name)) });
     }
     let places = Places::of(&points);
@@ -54,6 +56,17 @@ pub(super) fn program(text: &[u8], files: &[File], definitions: Definitions) -> 
         notes.extend(odd(file, files, place));
     }
     Program { dialect: Dialect::Krl, text: text.to_vec(), points, definitions, route, notes }
+}
+
+/// The destination of the circular motion of the first file that has this point on its way.
+fn destination<'f>(on_the_way: &Candidate, files: &'f [File]) -> Option<&'f Candidate> {
+    let of_motion = |motion: &&Motion| on_the_way.inline == Some(motion.used);
+    let name = files[0].motions.iter().filter(of_motion).nth(1)?.name.as_deref();
+    let is = |other: &&Candidate| match name {
+        Some(name) => other.inline.is_none() && other.name == name,
+        None => other.inline == on_the_way.inline && !other.auxiliary,
+    };
+    files.iter().take(if name.is_some() { files.len() } else { 1 }).flat_map(|file| &file.candidates).find(is)
 }
 
 /// Statements that are no motions and have a point in them.

@@ -75,6 +75,10 @@ impl File {
         let mut file = File::default();
         let mut at = Cursor::new(text, &all);
         while let Some(token) = at.next() {
+            if token.is(b'%') && at.peek().is_some_and(|token| matches!(token.kind, Kind::Text | Kind::Word))
+            {
+                file.late(&mut at, token);
+            }
             if token.kind != Kind::Word {
                 continue;
             }
@@ -200,6 +204,15 @@ impl File {
             _ => self.changed.push((name, line)),
         }
         Ok(true)
+    }
+
+    /// `%"pick"% p10;`, `%name% p10;`: a procedure by its name as a text.
+    fn late(&mut self, at: &mut Cursor<'_>, first: &Token) {
+        at.at += 1;
+        if at.take(b'%') {
+            let verb = Token { range: first.range.start..at.tokens[at.at - 1].range.end, ..first.clone() };
+            self.instruction(at, &verb);
+        }
     }
 
     /// An instruction that is no motion, behind its name.

@@ -1,5 +1,6 @@
 //! What the robot carries: the load of the tool, or of `\\TLoad`, and the one that `GripLoad` has switched on.
 
+use super::cfg::{MODAL, WRIST};
 use super::node::Node;
 use crate::flow::{Active, Flow, LOAD};
 use crate::program::{Carried, Definition, Definitions, Reference};
@@ -122,7 +123,9 @@ impl Held {
         definitions: &Definitions,
         grips: bool,
     ) -> Carried {
-        let own = match (&self.total, tool) {
+        // A controller takes `TLoad` or GripLoad; without its configuration each that is there.
+        let modal = definitions.switch(MODAL);
+        let own = match (self.total.as_ref().filter(|_| modal != Some(true)), tool) {
             (Some(total), _) => definitions.load(total),
             (None, Reference::Named(name)) => definitions.load(&Reference::Named(format!("{name}.TLOAD"))),
             (None, Reference::Identity) => {
@@ -131,12 +134,14 @@ impl Held {
             (None, _) => Carried::Open("the tool has no name".into()),
         };
         let grip = match grip.at(self.used) {
+            _ if modal == Some(false) => return own,
             // Without a GripLoad in the files none is on; with one in another routine it may be.
             Reference::Identity if grips => return Carried::Open(OPEN.into()),
             Reference::Identity | Reference::Value(_) => return own,
             named => definitions.load(named),
         };
         let frame = match tool {
+            _ if definitions.switch(WRIST) == Some(true) => Some(Pose::IDENTITY),
             Reference::Named(name) => definitions.get(name).ok().flatten(),
             Reference::Identity => Some(Pose::IDENTITY),
             _ => None,
@@ -148,7 +153,7 @@ impl Held {
                 Some(frame),
             ) => {
                 let total = mass + more;
-                // The gripped load's centre is in the tool's frame.
+                // The gripped load's centre is in the tool's frame, or in the flange's.
                 let sum = mass * com + more * frame.apply(&there);
                 let com = if total > 0.0 { sum / total } else { sum };
                 Carried::Mass { name: format!("{name} and {other}"), mass: total, com }

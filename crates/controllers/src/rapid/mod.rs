@@ -27,7 +27,7 @@ use truepose_kinematics::Pose;
 pub(crate) fn read(text: &[u8], others: &[&[u8]]) -> Result<Program, ControllerError> {
     let mut definitions = Definitions::default();
     for text in others.iter().copied().chain([text]).filter(|text| cfg::is(text)) {
-        cfg::read(text, &mut definitions);
+        cfg::read(text, &mut definitions)?;
     }
     if cfg::is(text) {
         return Ok(Program::of_frames(Dialect::Rapid, text, definitions));

@@ -55,16 +55,27 @@ impl Expression {
             ("pose_trans", [frame, target]) => {
                 Some(Expression::In(Box::new(read(frame)?), Box::new(read(target)?)))
             }
-            ("get_inverse_kin", [target, rest @ ..]) => {
-                let near = rest.first().map(|near| unnamed(text, near));
-                Some(Expression::Inverse(
-                    Box::new(read(unnamed(text, target))?),
-                    near.and_then(read).map(Box::new),
-                ))
+            ("get_inverse_kin", parts) => {
+                let of = |name: &str, place: usize| argument(text, parts, name, place);
+                // With a tool of its own it is not the active one's.
+                if of("tcp", 4).is_some() {
+                    return None;
+                }
+                let near = of("qnear", 1).and_then(read).map(Box::new);
+                Some(Expression::Inverse(Box::new(read(of("x", 0)?)?), near))
             }
             _ => None,
         }
     }
+}
+
+/// The argument of this name, or without a name at this place.
+fn argument<'t>(text: &[u8], parts: &[&'t [Token]], name: &str, place: usize) -> Option<&'t [Token]> {
+    let named = |part: &&&[Token]| {
+        unnamed(text, part).len() < part.len() && Cursor::new(text, part).peek_word() == Some(name)
+    };
+    let found = parts.iter().find(named).map(|part| unnamed(text, part));
+    found.or_else(|| parts.get(place).copied().filter(|part| unnamed(text, part).len() == part.len()))
 }
 
 /// `name=value` without its name.

@@ -65,12 +65,16 @@ impl File {
     pub(super) fn read(text: &[u8]) -> Result<File, ControllerError> {
         let all = tokens(text, LEXIS)?;
         let statements = statements(&all);
-        let setters = [&["set_tcp"][..], &LOADS].map(|words| setters(text, &statements, words));
+        let called = |words: &[&str]| setters(text, &statements, words);
+        let (setters, movers) =
+            ([&["set_tcp"][..], &LOADS].map(called), called(&[&MOTIONS[..], &AWAY].concat()));
+        let routines = routines(text, &statements);
         let mut flow = Flow::new("set_tcp is not called before");
         flow.set(FRAME, Reference::Identity);
         flow.set(LOAD, Reference::Unknown(NO_LOAD.into()));
         let tool = only_tool(text, &statements);
-        let mut reader = Reader { text, file: File::default(), flow, open: Vec::new(), setters, tool };
+        let mut reader =
+            Reader { text, file: File::default(), flow, open: Vec::new(), setters, movers, routines, tool };
         for statement in &statements {
             reader.statement(statement);
         }
@@ -144,6 +148,15 @@ fn statements(all: &[Token]) -> Vec<Vec<Token>> {
     found
 }
 
+/// Names of the routines of a file.
+fn routines(text: &[u8], statements: &[Vec<Token>]) -> Vec<String> {
+    let name = |statement: &Vec<Token>| {
+        let mut at = Cursor::new(text, statement);
+        matches!(at.word()?, "def" | "thread" | "sec").then(|| at.word().map(str::to_owned)).flatten()
+    };
+    statements.iter().filter_map(name).collect()
+}
+
 /// Routines that call one of these functions, directly or by calling one that does.
 fn setters(text: &[u8], statements: &[Vec<Token>], words: &[&str]) -> Vec<String> {
     let mut routines: Vec<(String, Vec<String>)> = Vec::new();
@@ -151,7 +164,7 @@ fn setters(text: &[u8], statements: &[Vec<Token>], words: &[&str]) -> Vec<String
     for statement in statements {
         let mut at = Cursor::new(text, statement);
         match at.word() {
-            Some("def" | "thread") => {
+            Some("def" | "thread" | "sec") => {
                 routines.push((at.word().unwrap_or("").into(), Vec::new()));
                 stack.push(Some(routines.len() - 1));
             }
@@ -193,6 +206,10 @@ struct Reader<'t> {
     open: Vec<Option<Outer>>,
     /// Routines that set the tool, and the load.
     setters: [Vec<String>; 2],
+    /// Routines that move the robot.
+    movers: Vec<String>,
+    /// All routines of the file.
+    routines: Vec<String>,
     /// The tool of all calls of set_tcp, where it is one.
     tool: Option<Reference>,
 }
@@ -202,6 +219,7 @@ impl Reader<'_> {
         let mut at = Cursor::new(self.text, tokens);
         let line = tokens[0].line;
         let Some(first) = at.word() else { return };
+        self.functions(tokens, line);
         let inside = tokens.iter().zip(tokens.iter().skip(1)).skip(1).find(|(token, next)| {
             token.kind == Kind::Word && next.is(b'(') && MOTIONS.contains(&at.str_of(token))
         });
@@ -210,7 +228,7 @@ impl Reader<'_> {
             self.file.refused.push((line, at.str_of(token).into(), words));
         }
         match first {
-            "def" | "thread" => self.routine(at.word().unwrap_or("")),
+            "def" | "thread" | "sec" => self.routine(at.word().unwrap_or("")),
             "if" => self.block(false),
             "elif" | "else" => self.flow.branch(),
             "while" | "for" => self.block(true),
@@ -230,6 +248,35 @@ impl Reader<'_> {
             "global" | "local" => self.assignment(tokens, 1, line),
             _ if at.take(b'(') => self.call(first, tokens, line),
             _ => self.assignment(tokens, 0, line),
+        }
+        // `if x: y end` in one line.
+        let ends = tokens.len() > 1 && tokens.last().is_some_and(|token| self.word(token) == "end");
+        if ends && matches!(first, "if" | "while" | "for") && self.open.pop().is_some() {
+            self.flow.close();
+        }
+    }
+
+    fn word(&self, token: &Token) -> &str {
+        std::str::from_utf8(&self.text[token.range.clone()]).unwrap_or("")
+    }
+
+    /// Functions in the middle of a statement that are not known: they may move to what they are given.
+    fn functions(&mut self, tokens: &[Token], line: usize) {
+        for (k, pair) in tokens.windows(2).enumerate().skip(1) {
+            let name = self.word(&pair[0]).to_owned();
+            let call = pair[0].kind == Kind::Word
+                && pair[1].is(b'(')
+                && !matches!(name.as_str(), "and" | "or" | "not" | "if" | "elif" | "while" | "return");
+            let known = MOTIONS.contains(&&*name) || HARMLESS.iter().any(|word| name.starts_with(word));
+            let still = self.routines.contains(&name) && !self.movers.contains(&name);
+            if !call || known || still || matches!(self.word(&tokens[k - 1]), "def" | "thread" | "sec") {
+                continue;
+            }
+            let mut at = Cursor { at: k + 2, ..Cursor::new(self.text, tokens) };
+            at.skip_closed();
+            let parts = called(self.text, &tokens[k..at.at.min(tokens.len())]);
+            let parts = parts.iter().map(|part| Expression::read(self.text, part)).collect();
+            self.file.odd.push((line, name, parts));
         }
     }
 

@@ -271,3 +271,37 @@ fn a_stretched_wrist_is_no_refusal_and_a_tool_that_stands_still_is() {
     let all = &corrections(&chain, Dialect::Rapid, &[text], &options)[0];
     assert!(all[0].reason.contains("robhold"), "{}", all[0].reason);
 }
+
+#[test]
+fn a_place_on_the_way_of_a_circle_has_the_orientation_of_its_destination() {
+    let chain = arm();
+    let at = |degrees: [f64; 6]| {
+        let pose = pose(&chain, degrees);
+        let angles = Dialect::Krl.orientation().write(&pose.rotation, &[0.0; 3]);
+        let [x, y, z] = [pose.translation.x, pose.translation.y, pose.translation.z].map(|v| 1e3 * v);
+        (format!("X {x},Y {y},Z {z}"), format!("A {},B {},C {}", angles[0], angles[1], angles[2]))
+    };
+    let (start, way, end) = (
+        [0.0, 10.0, 20.0, 0.0, 40.0, 0.0],
+        [5.0, 12.0, 18.0, 3.0, 42.0, 4.0],
+        [10.0, 14.0, 16.0, 6.0, 44.0, 8.0],
+    );
+    let ((way, _), (place, angles)) = (at(way), at(end));
+    let joints =
+        start.iter().enumerate().map(|(k, v)| format!("A{} {v}", k + 1)).collect::<Vec<_>>().join(",");
+    let inline = format!(
+        "DEF a()\n$BASE=$NULLFRAME\n$TOOL=$NULLFRAME\nPTP {{{joints}}}\nCIRC {{{way}}},{{{place},{angles}}}\n"
+    );
+    let named = inline.replace(&format!("{{{place},{angles}}}"), "XEND");
+    let data = format!("DEFDAT a\nE6POS XEND={{{place},{angles}}}\nENDDAT\n");
+    let options = CorrectOptions::default();
+    let one = corrections(&chain, Dialect::Krl, &[&inline], &options);
+    let two = corrections(&chain, Dialect::Krl, &[&named, &data], &options);
+    assert!(one[0][1].nominal.is_some(), "{}", one[0][1].reason);
+    assert_eq!(one[0][1].nominal, two[0][1].nominal);
+    let lost = corrections(&chain, Dialect::Krl, &[&named], &options);
+    assert!(lost[0][1].reason.contains("its destination has none"), "{}", lost[0][1].reason);
+    // Three numbers are written, and no angles.
+    let program = Program::read(inline.as_bytes(), &[], Dialect::Krl).expect("a program");
+    assert_eq!(program.points()[1].ranges().count(), 3);
+}

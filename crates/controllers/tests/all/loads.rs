@@ -146,3 +146,61 @@ fn scripts_and_jobs_have_their_loads() {
     }
     assert_eq!(loads(Dialect::Inform, job, &[])[0], "the load of TOOL 3 has no value in the files given");
 }
+
+#[test]
+fn rapid_loads_are_those_of_the_controllers_mode() {
+    let place = "[[700,10,640],[0,0,1,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]]";
+    let text = format!(
+        "MODULE M\nPERS tooldata grip:=[TRUE,[[0,0,300],[0,1,0,0]],[20,[0,0,100],[1,0,0,0],0,0,0]];\nPERS loaddata part:=[10,[0,30,-40],[1,0,0,0],0,0,0];\n\
+         PROC main()\nGripLoad part;\nMoveL {place},v1,fine,grip;\nMoveL {place},v1,fine,grip\\TLoad:=part;\nENDPROC\nENDMODULE\n"
+    );
+    let system = |misc: &str| {
+        format!(
+            "SYS:CFG_1.0:6:0::\n#\nSYS_MISC:\n\n      -Name \"NoOfRetry\" -Value 4\n\n{misc}#\nCAB_TASKS:\n      -Name \"ModalPayLoadMode\"\n"
+        )
+    };
+    let of = |misc: &str| loads(Dialect::Rapid, &text, &[&system(misc)]);
+    assert_eq!(of(""), ["GRIP and PART 30 0 -10 180", "PART and PART 20 0 0 150"]);
+    let modal = "      -Name \"ModalPayLoadMode\" -Value 1\n";
+    assert_eq!(of(modal), ["GRIP and PART 30 0 -10 180"; 2]);
+    assert_eq!(of("      -Name \"ModalPayLoadMode\"\n"), ["GRIP 20 0 0 100", "PART 10 0 30 -40"]);
+    let wrist = format!("{modal}      -Name \"PayloadsInWristCoords\"\\\n      -Value 1\n");
+    assert_eq!(of(&wrist), ["GRIP and PART 30 0 10 53.333"; 2]);
+    let other = Program::read(b"EIO:CFG_1.0:6:0::\n", &[], Dialect::Rapid).expect_err("of inputs");
+    assert!(other.to_string().contains("topic EIO, which has no frames, tools or loads"), "{other}");
+}
+
+#[test]
+fn fanuc_payloads_are_changed_by_the_programs_that_are_called() {
+    let places: String =
+        (1..=5).map(|n| format!("P[{n}]{{\n   GP1:\n\tUF : 0, UT : 1,\n\tJ1= 0.000 deg\n}};\n")).collect();
+    let job = |lines: &str| format!("/PROG  A\n/MN\n{lines}/POS\n{places}/END\n");
+    let table = "Field: $PLST_GRP1[1].$PAYLOAD Access: RW: REAL = 8.0\nField: $PLST_GRP1[1].$PAYLOAD_X Access: RW: REAL = 0\n\
+                 Field: $PLST_GRP1[1].$PAYLOAD_Y Access: RW: REAL = 0\nField: $PLST_GRP1[1].$PAYLOAD_Z Access: RW: REAL = 5.0\n";
+    let other = |name: &str, lines: &str| format!("/PROG  {name}\n/MN\n{lines}/POS\n/END\n");
+    let text = job(
+        "1:  PAYLOAD[GP1:1] ;\n2:  PAYLOAD[GP2:3] ;\n3:J P[1] 5% FINE ;\n4:  CALL DOOR ;\n5:J P[2] 5% FINE TB .10sec,CALL GRIP ;\n6:J P[3] 5% FINE ;\n7:  PAYLOAD[1] ;\n8:  CALL FAR(1) ;\n9:J P[4] 5% FINE ;\n10:  TRAGLST[1] ;\n11:  WENN E[1]=AN,AUFRUF DOOR ;\n12:J P[5] 5% FEIN ;\n",
+    );
+    let others = [
+        table.to_owned(),
+        other("DOOR", "1:  CALL WAIT_IT ;\n"),
+        other("WAIT_IT", "1:  WAIT 1.00(sec) ;\n"),
+        other("GRIP", "1:  CALL PAY ;\n"),
+        other("PAY", "1:  PAYLOAD[2] ;\n"),
+    ];
+    let others: Vec<&str> = others.iter().map(String::as_str).collect();
+    let found = loads(Dialect::Fanuc, &text.replace("WENN", "CASE"), &others);
+    let known = "PAYLOAD[1] 8 0 0 50";
+    assert_eq!(
+        found,
+        [
+            known,
+            known,
+            "GRIP is called in line 7, which changes PAYLOAD",
+            "FAR is called in line 10, which may change PAYLOAD (--with the program that is called)",
+            known
+        ]
+    );
+    let jumps = loads(Dialect::Fanuc, &text, &others);
+    assert!(jumps.iter().all(|load| load.contains("the program jumps")), "{jumps:?}");
+}

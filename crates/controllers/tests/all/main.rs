@@ -2,10 +2,12 @@
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
+mod composed;
 mod configurations;
 mod corpus;
 mod counted;
 mod grammars;
 mod loads;
 mod programs;
+mod statements;
 mod understood;

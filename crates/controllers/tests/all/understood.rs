@@ -207,7 +207,7 @@ fn frames_and_tools_of_a_controller_are_read_from_its_files() {
     assert_eq!(of("UF2"), None);
     assert!(all[1].points().is_empty());
 
-    let base = "MOC:CFG_1.0:5:0::\n#\nROBOT:\n\n      -name \"ROB_1\" -use_joint_1 \"rob1_1\" \\\n      -base_frame_pos_x 0.5 -base_frame_orient_u0 0 \\\n      -base_frame_orient_u3 1\n#\nSINGLE:\n      -name \"T\" -base_frame_pos_x 9\n";
+    let base = "MOC:CFG_1.0:5:0::\n#\nROBOT:\n\n      -name \"ROB_1\" -use_joint_1 \"rob1_1\" \\\n      -base_frame_pos_x 0.5 -base_frame_orient_u0 0\\\n      -base_frame_orient_u3 1\n#\nSINGLE:\n      -name \"T\" -base_frame_pos_x 9\n";
     let all =
         Program::read_all(&[module(&[]).as_bytes(), base.as_bytes()], Dialect::Rapid).expect("programs");
     let root = all[0].definitions().get("$ROBROOT").expect("usable").expect("a base");
@@ -228,4 +228,108 @@ fn frames_and_tools_of_a_controller_are_read_from_its_files() {
     let of = |name: &str| all[0].definitions().get(name).expect("usable").map(|pose| pose.translation * 1e3);
     assert!(of("USER 2").is_some_and(|place| (place.x - 700.0).abs() < 1e-9));
     assert!(of("TOOL 3").is_some_and(|place| (place.z - 155.0).abs() < 1e-9));
+}
+
+fn fanuc(head: &str, lines: &str, points: std::ops::Range<usize>) -> String {
+    let place = |n: usize| {
+        format!(
+            "P[{n}]{{\n   GP1:\n\tUF : {n}, UT : 2,\t\tCONFIG : 'N U T, 0, 0, 0',\n\tX = 1.000 mm,\tY = 2.000 mm,\tZ = 3.000 mm,\n\tW = 0.000 deg,\tP = 0.000 deg,\tR = 0.000 deg\n}};\n"
+        )
+    };
+    format!("/PROG A\n/ATTR\n{head}/MN\n{lines}/POS\n{}/END\n", points.map(place).collect::<String>())
+}
+
+#[test]
+fn fanuc_statements_have_their_motions_whatever_their_numbers() {
+    let lines = ":L P[1] 5mm/sec FINE ;\n:L P[2] 5mm/sec FINE ;\n: Arc Start[1] ;\n  3:L @P[3] 5mm/sec FINE Skip,LBL[1],PR[5]=LPOS ;\nL P[4] 5mm/sec FINE ;\n  4:L PAL_1[BTM] 5mm/sec FINE ;\n  5:A[717]=AN ;\n  6:J P[5] 5% FINE WEG VOR 0.0mm,P-SPS ;\n";
+    let program = read(Dialect::Fanuc, &fanuc("", lines, 1..6));
+    let reached: Vec<usize> = program.motions().map(|(line, _)| line).collect();
+    assert_eq!(reached, [4, 5, 7, 8, 9, 11]);
+    assert_eq!(refused(&program), [9], "{:?}", program.notes());
+    assert!(program.reached().iter().all(|reached| *reached));
+}
+
+#[test]
+fn fanuc_positions_that_something_displaces_are_fixed() {
+    let fixed = |head: &str, lines: &str| {
+        let program = read(Dialect::Fanuc, &fanuc(head, lines, 1..4));
+        program.points().iter().map(|point| point.fixed.is_some()).collect::<Vec<_>>()
+    };
+    let lines = "1:L P[1] 5mm/sec FINE ;\n2:  Touch Offset PR[9] ;\n3:L P[2] 5mm/sec FINE ;\n4:  Touch Offset End ;\n5:L P[3] 5mm/sec FINE ;\n";
+    assert_eq!(fixed("", lines), [false, true, false]);
+    assert_eq!(fixed("LINE_TRACK_SCHEDULE_NUMBER\t: 1;\n", lines), [true; 3]);
+    assert_eq!(fixed("LINE_TRACK_SCHEDULE_NUMBER\t: 0;\n", lines), [false, true, false]);
+    // A frame that the program, or one that is given with it, sets.
+    let sets = |line: &str| fanuc("", &format!("1:  {line} ;\n2:L P[1] 5mm/sec FINE ;\n"), 1..2);
+    let frames = "[*SYSTEM*]$MNUFRAME  Storage: CMOS  Access: RW  : ARRAY[1,10] OF POSITION\n [1,1] =   Group: 1\n X: 5.0 Y: 0.0 Z: 0.0\n W: 0.0 P: 0.0 R: 0.0\n";
+    let of = |text: &str, others: &[&str]| {
+        let others: Vec<&[u8]> = others.iter().map(|other| other.as_bytes()).collect();
+        Program::read(text.as_bytes(), &others, Dialect::Fanuc)
+            .expect("a program")
+            .definitions()
+            .get("UF1")
+            .map(|pose| pose.is_some())
+    };
+    assert_eq!(of(&sets("UFRAME[2]=PR[3]"), &[frames]), Ok(true));
+    for line in ["UFRAME[1]=PR[3]", "UFRAME[R[2]]=PR[3]", "$MNUFRAME[1,1]=PR[3]"] {
+        let words = "line 4 changes UF1 while the program runs".to_owned();
+        assert_eq!(of(&sets(line), &[frames]), Err(words.clone()), "{line}");
+        assert_eq!(of(&sets("CALL SUB"), &[frames, &sets(line)]), Err(words), "{line}");
+    }
+}
+
+#[test]
+fn krl_frames_without_names_are_those_of_their_first_lines() {
+    let place = "LIN {X 1,Y 2,Z 3,A 4,B 5,C 6}\n";
+    let text = format!(
+        "DEF a()\n$BASE={{FRAME: X 5,Y 0,Z 0,A 0,B 0,C 0}}\n$TOOL={{X 0,Y 0,Z 9,A 0,B 0,C 0}}\n{place}$BASE={{X 7,Y 0,Z 0,A 0,B 0,C 0}}\n{place}\
+         $BASE={{X 5.0,Y 0,Z 0,A 0,B 0,C 0}}\n{place}$TOOL={{Z 9}}\n{place}END\n"
+    );
+    let program = read(Dialect::Krl, &text);
+    let frame = |value: &Value| match value {
+        Value::Pose { frame: Reference::Named(name), .. } => name.clone(),
+        _ => "other".into(),
+    };
+    let frames: Vec<String> = program.points().iter().map(|point| frame(&point.value)).collect();
+    let [a, b] = ["$BASE in line 2", "$BASE in line 5"];
+    assert_eq!(frames, [a, b, a, a]);
+    let tool = "$TOOL in line 3";
+    assert_eq!(tools(&program), [tool, tool, tool, "unknown"]);
+    assert!(
+        (program.definitions().get(b).expect("usable").expect("a value").translation.x - 7e-3).abs() < 1e-12
+    );
+}
+
+#[test]
+fn krl_statements_that_move_nothing_are_passed_over() {
+    let text =
+        "DEF a()\nDECL E6POS XA={X 1,Y 2,Z 3,A 4,B 5,C 6}\nBOOL XA\nWAIT FOR XA\nRETURN XA\nHOLD XA\nEND\n";
+    assert_eq!(refused(&read(Dialect::Krl, text)), [6]);
+}
+
+#[test]
+fn inform_bases_and_stations_are_external_axes_and_frames_may_be_set() {
+    let job = |kind: &str, lines: &str| {
+        let text = format!(
+            "/JOB\n//NAME A\n//POS\n///TOOL 3\n///POSTYPE {kind}\n///USER 2\n///RECTAN\nC00000=1,2,3,0,0,0\nC00001=1,2,3,0,0,0\nBC00000=1500.5\nBC00001=0.000\nEC00001=5,90.000\n//INST\nNOP\n{lines}END\n"
+        );
+        read(Dialect::Inform, &text)
+    };
+    let program = job("USER", "MOVL C00000 BC00000 V=5.0\nMOVL C00001 BC00001 EC00001 V=5.0\n");
+    assert_eq!(refused(&program), [0; 0], "{:?}", program.notes());
+    assert_eq!(program.points()[0].external, [("BC1".to_owned(), 1500.5)]);
+    let names: Vec<&str> = program.points()[1].external.iter().map(|(name, _)| name.as_str()).collect();
+    assert_eq!(names, ["BC1", "EC1", "EC2"]);
+    let pulses = job("PULSE", "MOVL C00000 BC00000 V=5.0\nMOVL C00000 BC00001 V=5.0\n");
+    assert_eq!(pulses.points()[0].external, [("BC1 in pulses".to_owned(), 1500.5)]);
+    assert!(pulses.points()[0].fixed.is_some() && pulses.points()[1].fixed.is_none());
+    let two = job("USER", "MOVL C00000 V=5.0  +MOVJ EC00001 VJ=1.0\nMOVL C00000 V=5.0 +MOVL C00001 V=5.0\n");
+    assert_eq!(refused(&two), [0; 0], "{:?}", two.notes());
+    assert_eq!(two.points()[0].external.len(), 2);
+    assert!(two.points()[1].fixed.as_deref().is_some_and(|words| words.contains("another robot")));
+    let sets = job("USER", "MFRAME UF#(2) C00000 C00001 C00001\nSETTOOL TL#(3) P000\n");
+    for (name, line) in [("USER 2", 15), ("TOOL 3", 16)] {
+        let words = format!("line {line} changes {name} while the job runs");
+        assert_eq!(sets.definitions().get(name), Err(words));
+    }
 }

@@ -273,6 +273,10 @@ def rewrite(
     language: str | None,
     frames: list[str | tuple[str | None, _Pose]],
     tools: list[str | tuple[str | None, _Pose]],
+    taught: list[tuple[str, str, str | None]],
+    measured: list[str],
+    cad: list[str],
+    external: list[tuple[str, str]],
     limit: float,
     mark: bool,
     leave: list[str],
@@ -285,7 +289,7 @@ def rewrite(
     ignore_external: bool,
     turn_axes: list[int],
     pulses: list[float],
-) -> tuple[list[tuple[Any, bytes]], dict[str, Any], str, list[str]]: ...
+) -> tuple[list[tuple[Any, bytes]], dict[str, Any], str, list[str], list[tuple[Any, str]]]: ...
 def check(robot: Robot, data: Data | None, model: _Items) -> list[tuple[str, str, str, float]]: ...
 def take_block(robot: Robot, table: Table, positions_only: bool) -> Data: ...
 

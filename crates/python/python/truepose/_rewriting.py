@@ -26,11 +26,11 @@ Places: TypeAlias = "Place | Mapping[str, Place] | None"
 
 @dataclass(frozen=True, repr=False)
 class Rewritten:
-    """A robot program whose points are replaced by compensated ones.
+    """A robot program whose points are replaced by compensated ones, or all programs of a folder.
 
-    `program`: its text in the encoding of the original; `others`: texts of the further files that have points of it, by their paths; `corrections`: a row
-    for each point, in m and rad; `summary`: what the program prints with
-    ``--json``; `notes`: what is to be known of it.
+    `program`: its text in the encoding of the original (of a folder: empty); `others`: texts of the further files that have points of it, of a folder those
+    of all programs, by their paths; `corrections`: a row for each point, in m and rad; `summary`: what the program prints with
+    ``--json``; `notes`: what is to be known of it; `refused`: programs of a folder that are not compensated, and why.
     """
 
     program: bytes
@@ -38,6 +38,8 @@ class Rewritten:
     summary: dict[str, Any]
     notes: list[str]
     others: dict[str, bytes] = field(default_factory=dict)
+    refused: dict[str, str] = field(default_factory=dict)
+    folder: str | None = None
 
     @property
     def outcomes(self) -> NDArray[np.str_]:
@@ -45,7 +47,14 @@ class Rewritten:
         return np.asarray(self.corrections["outcome"], dtype=np.str_)
 
     def save(self, path: Path) -> None:
-        """Writes the program."""
+        """Writes the program; of a folder all programs, to the same places in the folder `path`."""
+        if self.folder is not None:
+            for name, text in self.others.items():
+                place = os.path.join(os.fspath(path), os.path.relpath(name, self.folder))
+                os.makedirs(os.path.dirname(place), exist_ok=True)
+                with open(place, "wb") as file:
+                    file.write(text)
+            return
         with open(os.fspath(path), "wb") as file:
             file.write(self.program)
 
@@ -62,6 +71,10 @@ def rewrite(
     language: str | None = None,
     frames: Places = None,
     tools: Places = None,
+    taught: Mapping[str, Path | tuple[Path, str]] | None = None,
+    measured: Sequence[str] = (),
+    cad: Sequence[str] = (),
+    external: Mapping[str, str] | None = None,
     limit: float = 10e-3,
     mark: bool = False,
     leave: Sequence[str] = (),
@@ -76,10 +89,13 @@ def rewrite(
     turn_axes: Sequence[int] = (),
     pulses: Sequence[float] = (),
 ) -> Rewritten:
-    """A robot program with compensated points: KUKA .src .dat, ABB .mod, FANUC .ls, Universal Robots .script, Yaskawa .jbi, Stäubli .dtx.
+    """A robot program with compensated points: KUKA .src .dat, ABB .mod, FANUC .ls, Universal Robots .script, Yaskawa .jbi, Stäubli .dtx. A
+    folder is a controller's backup: all its programs, with its frames, tools and loads.
 
     `others`: further files of the program with motions, declarations or frames, whose points are compensated, too; `language`: krl, rapid, fanuc, urscript, inform, val3 (default: by the
     ending of the name); `frames`, `tools`: values of frames and tools by their names in the program, or one for points whose frame is not known;
+    `taught`: frames and tools that were taught by touching with the uncorrected robot, with the file of the joints at which it was touched, or with that and the tool
+    that touched; `measured`, `cad`: names of those that were measured, or are of a drawing; `external`: external axes of the program that are joints of the fit;
     `limit`: largest correction, m; `mark`: points that cannot be compensated stay as they are (otherwise: InputError); `leave`: names of
     points that do, with or without a value in the files; `dry_run`: all points do;
     `controller_base`, `controller_flange`: those of the controller in the robot description's; `start`: joint values before the program, rad or m;
@@ -93,8 +109,10 @@ def rewrite(
         first = [float(v) * 1e3 if j.unit == "m" else float(np.degrees(v)) for v, j in zip(values, joints)]
     centre = floats("com", com, 3)
     load = None if payload is None else (float(payload), (float(centre[0]), float(centre[1]), float(centre[2])))
-    texts, found, summary, notes = _core.rewrite(
+    touched = [(str(name), *((os.fspath(of[0]), str(of[1])) if isinstance(of, tuple) else (os.fspath(of), None))) for name, of in (taught or {}).items()]
+    texts, found, summary, notes, refused = _core.rewrite(
         fit._core, os.fspath(program), [os.fspath(other) for other in others], language, _places("frames", frames), _places("tools", tools),
+        touched, [str(name) for name in measured], [str(name) for name in cad], [(str(axis), str(joint)) for axis, joint in (external or {}).items()],
         float(limit), mark, [str(name) for name in leave], dry_run, _six("controller_base", controller_base), _six("controller_flange", controller_flange), first, load,
         [(str(name), float(value)) for name, value in (channels or {}).items()], ignore_external, list(turn_axes), list(pulses),
     )  # fmt: skip
@@ -103,8 +121,10 @@ def rewrite(
     columns.update({f"{axis}[m]": found["position"][:, k] for k, axis in enumerate("xyz")})
     columns.update({f"d{axis}[m]": found["displacement"][:, k] for k, axis in enumerate("xyz")})
     columns.update({"rotation[rad]": found["rotation"], "within_95[m]": found["within_95"]})
-    (_, text), *further = texts
-    return Rewritten(text, Table(columns), json.loads(summary), notes, {os.fspath(file): other for file, other in further})
+    folder = os.fspath(program) if os.path.isdir(program) else None
+    (_, text), *further = texts if folder is None else [("", b""), *texts]
+    others_of = {os.fspath(file): other for file, other in further}
+    return Rewritten(text, Table(columns), json.loads(summary), notes, others_of, {os.fspath(file): words for file, words in refused}, folder)
 
 
 _Pose: TypeAlias = tuple[float, float, float, float, float, float]

@@ -11,6 +11,7 @@ use crate::verbs::reporting::Folder;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use truepose_controllers::{Dialect, Program, Role, linked};
+use truepose_errormodel::FittedModel;
 use truepose_io::{WholeFiles, corrections_file, make_folder, read_bytes};
 use truepose_report::{ProgramView, count, program_report};
 
@@ -33,24 +34,15 @@ struct Backup {
 
 /// Runs it.
 pub(super) fn run(args: &Compensate, from: &Path) -> Result<(), Failure> {
+    if args.robot_program.offsets {
+        return Err(Failure::Input("--offsets: one program is needed, not a folder".into()));
+    }
     apart(from, &args.out)?;
     let page = Folder::with_head(args.report.as_ref(), "compensation.json", args.certificate.as_ref())?;
     let fitted = fitted(args)?;
     let own = &args.robot_program;
-    let mut backup = backup(from, own.language)?;
-    backup.tables.extend(own.with.iter().map(|file| file.to_path_buf()));
     let asked = Asked { own, frame: &args.frame, tcp: &args.tcp, frames: args.frames.as_deref() };
-    let mut made: Vec<Rewritten> = Vec::new();
-    for files in &backup.programs {
-        let tables: Vec<&Path> =
-            backup.tables.iter().filter(|table| !files.contains(table)).map(PathBuf::as_path).collect();
-        let of = Files { own: files.iter().map(PathBuf::as_path).collect(), tables };
-        match rewritten(&fitted, &of, &asked) {
-            Ok(Some(program)) => made.push(program),
-            Ok(None) => backup.still.extend_from_slice(files),
-            Err(failure) => backup.refused.push((files[0].clone(), failure.message())),
-        }
-    }
+    let (made, backup) = compensated(&fitted, from, &asked)?;
     let short = |path: &Path| path.strip_prefix(from).unwrap_or(path).to_path_buf();
     let view = merged(from, &made, &short);
     let mut files = WholeFiles::default();
@@ -61,11 +53,6 @@ pub(super) fn run(args: &Compensate, from: &Path) -> Result<(), Failure> {
         files.add(&out, &part.text)?;
         files.push(corrections_file(table_of(&out), fitted.chain(), &part.rows)?)?;
         inputs.push(&part.file);
-    }
-    if made.is_empty() {
-        let refused = refusals(&backup, &short);
-        let none = format!("{}: no program is compensated, and nothing is written", from.display());
-        return Err(Failure::Input([&refused[..], &[none]].concat().join("\n")));
     }
     if let Some(page) = &page {
         inputs.extend(backup.tables.iter().map(PathBuf::as_path));
@@ -92,6 +79,47 @@ pub(super) fn run(args: &Compensate, from: &Path) -> Result<(), Failure> {
             )))
         }
     }
+}
+
+/// The programs of a folder, and its files.
+fn compensated(
+    fitted: &FittedModel,
+    from: &Path,
+    asked: &Asked<'_>,
+) -> Result<(Vec<Rewritten>, Backup), Failure> {
+    let mut backup = backup(from, asked.own.language)?;
+    backup.tables.extend(asked.own.with.iter().map(|file| file.to_path_buf()));
+    let mut made: Vec<Rewritten> = Vec::new();
+    for files in &backup.programs {
+        let tables: Vec<&Path> =
+            backup.tables.iter().filter(|table| !files.contains(table)).map(PathBuf::as_path).collect();
+        let of = Files { own: files.iter().map(PathBuf::as_path).collect(), tables };
+        match rewritten(fitted, &of, asked) {
+            Ok(Some(program)) => made.push(program),
+            Ok(None) => backup.still.extend_from_slice(files),
+            Err(failure) => backup.refused.push((files[0].clone(), failure.message())),
+        }
+    }
+    if made.is_empty() {
+        let refused = refusals(&backup, &|path| path.strip_prefix(from).unwrap_or(path).to_path_buf());
+        let none = format!("{}: no program is compensated, and nothing is written", from.display());
+        return Err(Failure::Input([&refused[..], &[none]].concat().join("\n")));
+    }
+    Ok((made, backup))
+}
+
+/// All programs of a folder as one; `refused` has a line 0 for each program that is not compensated.
+pub(crate) fn whole(fitted: &FittedModel, from: &Path, asked: &Asked<'_>) -> Result<Rewritten, Failure> {
+    let (made, backup) = compensated(fitted, from, asked)?;
+    let short = |path: &Path| path.strip_prefix(from).unwrap_or(path).to_path_buf();
+    Ok(Rewritten {
+        view: merged(from, &made, &short),
+        notes: notes(&made, &short),
+        files: made.into_iter().flat_map(|program| program.files).collect(),
+        refused: backup.refused.into_iter().map(|(file, words)| (file, 0, words)).collect(),
+        unused: Vec::new(),
+        offsets: Vec::new(),
+    })
 }
 
 /// The new folder has to be another one, outside of the backup.

@@ -2,6 +2,7 @@
 
 mod asked;
 mod folder;
+mod offsets;
 mod outputs;
 mod places;
 mod rewriting;
@@ -18,6 +19,7 @@ use crate::failure::Failure;
 use crate::terminal;
 use crate::verdict::usable;
 pub(crate) use asked::Asked;
+pub(crate) use folder::whole;
 use outputs::outputs;
 pub(crate) use rewriting::{Rewritten, rewrite};
 use std::path::{Path, PathBuf};
@@ -48,6 +50,9 @@ pub fn run(args: &Compensate, file: &Path, read: &[NamedFile]) -> Result<(), Fai
     let own = &args.robot_program;
     let asked = Asked { own, frame: &args.frame, tcp: &args.tcp, frames: args.frames.as_deref() };
     let made = rewrite(&fitted, file, &asked)?;
+    if own.offsets {
+        return offsets::write(args, &made.offsets, &made.notes, &made.view.language);
+    }
     let outputs = outputs(&args.out, &made.files, read)?;
     let mut files = WholeFiles::default();
     for (out, part) in outputs.iter().zip(&made.files) {

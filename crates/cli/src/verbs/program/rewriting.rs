@@ -2,12 +2,12 @@
 
 use super::asked::{Asked, Files};
 use super::rows::{Part, rows, view};
-use super::{LISTED, places, statements, taught};
+use super::{LISTED, offsets, places, statements, taught};
 use crate::failure::Failure;
 use std::path::{Path, PathBuf};
 use truepose_controllers::{ControllerError, Correction, Dialect, Outcome, Program, correct_all, unused};
 use truepose_errormodel::FittedModel;
-use truepose_io::{CorrectionRow, read_bytes};
+use truepose_io::{CorrectionRow, OffsetRow, read_bytes};
 use truepose_report::{ProgramView, count};
 
 /// One file of a program with compensated points.
@@ -34,6 +34,8 @@ pub(crate) struct Rewritten {
     pub notes: Vec<String>,
     /// Names of options that it does not have, and in words.
     pub unused: Vec<(String, String)>,
+    /// The corrections as other values of frames and tools, where they are asked for.
+    pub offsets: Vec<OffsetRow>,
 }
 
 /// Rewrites the program of a file, and the further files that have points of it. `fitted` is that of the robot alone, in one session.
@@ -123,7 +125,11 @@ pub(super) fn rewritten(
     let mut view = view(fitted, &parts, own.dry_run, taught::open(&parts, &options));
     view.notes.extend(stated.iter().cloned());
     stated.extend(notes(&parts, &own.leave));
-    Ok(Some(Rewritten { files, view, refused, notes: stated, unused }))
+    let offsets = match own.offsets {
+        true => offsets::rows(&parts, &programs, &corrections, &options, &mut stated)?,
+        false => Vec::new(),
+    };
+    Ok(Some(Rewritten { files, view, refused, notes: stated, unused, offsets }))
 }
 
 /// Whether nothing is compensated, and something is refused: the program would be the one that was read.
