@@ -33,6 +33,7 @@ pub use conclude::diagnosis::{Alternative, Check, CompetingFit, Diagnosis, Findi
 pub use conclude::errors::Errors;
 pub use conclude::extrapolation::{Extrapolation, Part};
 pub use conclude::floor::{FloorSource, NoiseFloor};
+pub use conclude::fold_run::FoldRun;
 pub use conclude::held_out::HeldOutIntervals;
 pub use conclude::partition::HeldOut;
 pub use conclude::stated::StatedScale;
@@ -40,7 +41,6 @@ pub use conclude::trace::point::{Trace, TracePoint};
 pub use conclude::verdict::{Estimate, Unexplained, Verdict};
 pub use diagnose::diagnose;
 pub use error::DiscoverError;
-pub use fold::FoldRun;
 pub use hypotheses::candidate::Candidate;
 pub use hypotheses::change::Change;
 pub use hypotheses::covariate::Covariate;

@@ -1,7 +1,7 @@
 //! The nominal robot.
 
 use crate::couplings::Couplings;
-use crate::length::KeptLength;
+use crate::kept_length::KeptLength;
 use crate::prepared::PreparedJoint;
 use crate::sines::sin_cos;
 use crate::{

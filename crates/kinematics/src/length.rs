@@ -5,22 +5,11 @@
 
 use crate::{Chain, FrameId, JointKind, Pose, ToolId};
 use nalgebra::Vector3;
-use std::sync::OnceLock;
 
 /// The sum of the distances is believed up to so many times the shortest way.
 const CANCELS: f64 = 3.0;
 /// Sweeps over the points of that way: of each, half of an offset at least is left behind.
 const SWEEPS: usize = 60;
-
-/// The length of a chain, m, once it was computed. It follows from the rest of the chain: two of them are equal.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct KeptLength(OnceLock<f64>);
-
-impl PartialEq for KeptLength {
-    fn eq(&self, _: &Self) -> bool {
-        true
-    }
-}
 
 impl Chain {
     /// A length typical of the arm, m: the sum of the nominal distances between neighbouring frames, travels of slides included; of a

@@ -9,6 +9,7 @@ mod frames;
 mod ids;
 mod jacobian;
 mod joint;
+mod kept_length;
 pub mod lanes;
 mod length;
 mod link;

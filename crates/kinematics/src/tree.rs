@@ -4,7 +4,7 @@
 //! between the base and a tool is a chain like any other: frames that do not carry the tool have no part in where it is, but their weights
 //! load the joints that carry both.
 
-use crate::length::KeptLength;
+use crate::kept_length::KeptLength;
 use crate::{Chain, ChainError, FrameId, JointId, Placed, Tool, ToolId};
 
 impl Chain {

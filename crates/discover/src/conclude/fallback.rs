@@ -17,9 +17,9 @@
 
 use crate::accept::model::Model;
 use crate::conclude::diagnosis::{Check, Diagnosis, Withdrawn};
+use crate::conclude::fold_run::FoldRun;
 use crate::conclude::partition::{HeldOut, Partition, by_folds};
 use crate::error::DiscoverError;
-use crate::fold::FoldRun;
 use crate::model::current::Context;
 use crate::model::prepared::with_found;
 use crate::model::refits::{Comparison, compared};

@@ -7,6 +7,7 @@ pub(crate) mod extrapolation;
 pub(crate) mod fallback;
 pub(crate) mod final_fit;
 pub(crate) mod floor;
+pub(crate) mod fold_run;
 pub(crate) mod held_out;
 pub(crate) mod interim;
 pub(crate) mod outside;

@@ -14,8 +14,8 @@ use crate::contest::penalty::prior_penalty;
 use crate::error::DiscoverError;
 use crate::hypotheses::candidate::Candidate;
 use crate::policy::{Policy, penalty_per_coefficient};
+use crate::problem::beside::Pool;
 use crate::problem::linearisation::Linearisation;
-use crate::problem::projection::Projection;
 use crate::screen::candidates::{Cause, Screen};
 use rayon::prelude::*;
 use truepose_errormodel::Visits;
@@ -37,14 +37,16 @@ pub(crate) fn join(
         .filter(|&k| k == 0 || competitors[k].candidate.family.is_named())
         .take(linearisation.budget.competitors)
         .collect();
+    let columns = partners.par_iter().map(|partner| partner.columns(linearisation));
+    let columns = columns.collect::<Result<Vec<_>, _>>()?;
+    let pool = Pool::new(linearisation, &columns);
     let best: Vec<Option<Partner>> = joined
         .par_iter()
         .map(|&k| {
             let alike =
                 |partner: &Candidate| [k, 0].iter().any(|&k| partner.same_cause(&competitors[k].candidate));
-            let others: Vec<&Cause> =
-                partners.iter().copied().filter(|partner| !alike(&partner.variants[0].0)).collect();
-            partner(linearisation, screen, visits, &competitors[k], &others)
+            let may = |partner: &Cause| !alike(&partner.variants[0].0);
+            partner((linearisation, screen, visits), &competitors[k], (&partners, &pool), &may)
         })
         .collect::<Result<_, _>>()?;
     for (k, partner) in joined.into_iter().zip(best) {
@@ -53,22 +55,17 @@ pub(crate) fn join(
     Ok(())
 }
 
-/// The best of the partners that a competitor may have, each the best variant of its cause; `None` where none is worth its unknowns.
+/// The best of the partners that a competitor `may` have, each the best variant of its cause; `None` where none is worth its unknowns.
 fn partner(
-    linearisation: &Linearisation<'_>,
-    screen: &Screen,
-    visits: &Visits,
+    (linearisation, screen, visits): (&Linearisation<'_>, &Screen, &Visits),
     competitor: &Competitor,
-    partners: &[&Cause],
+    (partners, pool): (&[&Cause], &Pool),
+    may: &dyn Fn(&Cause) -> bool,
 ) -> Result<Option<Partner>, DiscoverError> {
-    let projection = Projection::under(linearisation, competitor.likelihood.noise);
-    let columns = partners.iter().map(|partner| partner.columns(linearisation));
-    let columns = columns.collect::<Result<Vec<_>, _>>()?;
-    let accumulated = projection.accumulate(columns.iter().copied());
-    let Some(gains) = projection.beside(&competitor.columns, &accumulated) else { return Ok(None) };
+    let gains = pool.gains(linearisation, &competitor.columns, competitor.likelihood.noise);
     let penalty = penalty_per_coefficient(linearisation.len());
     let worth = |(k, gain): (usize, Option<(f64, usize)>)| {
-        let (gain, freedom) = gain?;
+        let (gain, freedom) = gain.filter(|_| may(partners[k]))?;
         let worth = gain - penalty * freedom as f64;
         let partner = &partners[k].variants[0].0;
         // A drive beside a drive is expected; any other cause has to be probable by itself.
@@ -86,7 +83,7 @@ fn partner(
     let (candidate, alone, _) = &partners[k].variants[0];
     let own =
         Side { candidate: &competitor.candidate, columns: &competitor.columns, freedom: competitor.freedom };
-    let other = Side { candidate, columns: columns[k], freedom };
+    let other = Side { candidate, columns: partners[k].columns(linearisation)?, freedom };
     let score = pair_score(linearisation, screen, visits, [own, other])?;
     Ok(Some(Partner { candidate: candidate.clone(), score, leads: *alone > competitor.gain }))
 }

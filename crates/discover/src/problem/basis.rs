@@ -33,6 +33,11 @@ pub(crate) fn basis(raw: &DMatrix<f64>, left: &DMatrix<f64>, absorbed: f64) -> O
     Some(basis)
 }
 
+/// −m ln(1 − SS/RSS) of m observations.
+pub(crate) fn gain(observations: usize, squares: f64, rss: f64) -> f64 {
+    -(observations as f64) * (1.0 - (squares / rss).min(1.0 - 1e-12)).ln()
+}
+
 /// Eigenvalues and eigenvectors of a symmetric matrix by what is faster for its size; none of one that is not finite.
 fn eigen(matrix: DMatrix<f64>) -> Option<(Vec<f64>, DMatrix<f64>)> {
     /// Up to so many columns nalgebra's rotations are faster than faer's blocks.

@@ -19,6 +19,7 @@ use crate::statistics::product::{cholesky, gram_matrix};
 use crate::statistics::triangular::inverse_lower;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use std::ops::Range;
+use truepose_solvers::kernels;
 
 /// Whitened rows of `[A | X | y]`, with their Gram matrix.
 #[derive(Clone)]
@@ -145,6 +146,13 @@ impl Scaled {
         let inverse = inverse_lower(&below);
         let held = which.zip(inverse.column_iter());
         held.map(|(at, half)| 1.0 - precision[(at, at)] * half.norm_squared() * self.scale[at].powi(2)).sum()
+    }
+
+    /// `L⁻¹ S H` of columns H, n × k, with S the scale of each unknown.
+    pub fn half(&self, mut columns: DMatrix<f64>) -> DMatrix<f64> {
+        columns.row_iter_mut().zip(&self.scale).for_each(|(mut row, &scale)| row *= scale);
+        kernels::solve_lower_many(&self.factor.l(), &mut columns);
+        columns
     }
 
     /// The covariance of the unknowns from this one on.

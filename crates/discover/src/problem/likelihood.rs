@@ -51,7 +51,7 @@ pub(crate) struct Likelihood {
 pub(crate) type Estimate = (DVector<f64>, DMatrix<f64>);
 
 /// [A | X | y], raw.
-fn joined(linearisation: &Linearisation<'_>, extra: &DMatrix<f64>) -> DMatrix<f64> {
+pub(crate) fn joined(linearisation: &Linearisation<'_>, extra: &DMatrix<f64>) -> DMatrix<f64> {
     let (r, k) = (linearisation.base.ncols(), extra.ncols());
     let mut all = DMatrix::zeros(linearisation.len(), r + k + 1);
     all.columns_mut(0, r).copy_from(&linearisation.base);

@@ -12,7 +12,6 @@
 //! robot carries, else at the nominal one.
 
 use crate::budget::Budget;
-use crate::data::payload::Stretch;
 use crate::error::DiscoverError;
 use crate::hypotheses::candidate::Candidate;
 use crate::hypotheses::change::Change;
@@ -64,7 +63,8 @@ pub(crate) struct Linearisation<'a> {
     levers: OnceLock<Levers>,
     /// What others keep beside it.
     kept: Kept,
-    loads: Loads,
+    /// Columns of heavier payloads.
+    pub(super) loads: Loads,
 }
 
 impl<'a> Linearisation<'a> {
@@ -314,11 +314,6 @@ impl<'a> Linearisation<'a> {
     /// The data with the derived channels of the present model.
     pub fn inputs(&self) -> &Dataset {
         &self.inputs
-    }
-
-    /// What another kilogram at one declared level of payload, in a stretch of time, would do ([`Loads`]).
-    pub fn heavier(&self, level: f64, during: Stretch) -> Result<DMatrix<f64>, DiscoverError> {
-        self.loads.heavier(self, level, during)
     }
 
     /// Where the robot stood, visit by visit.

@@ -7,6 +7,7 @@
 //! | --- | --- | --- | --- |
 //! | score of every candidate, V of the model | all | A eliminated once, one step in X | [`projection`], by pose in [`tables`] |
 //! | likelihood, V of the candidate | all | A, X | [`likelihood`], by groups that are alike in [`normal`]; where joints scatter [`restricted`], A eliminated once a noise ([`anchor`]) |
+//! | gain beside another candidate, V of that one | all | A and the other one eliminated, one step in X | [`beside`] |
 //! | prediction of unseen poses | all but a fold | A, X | [`likelihood::Likelihood::held_out`] |
 //! | estimate on a half | a half | A, X | [`likelihood::Likelihood::on_halves`] |
 //! | error without some effects, or with another in their place | rows of the fit | some of A, X | [`linear`] |
@@ -16,6 +17,7 @@
 pub(crate) mod anchor;
 pub(crate) mod autocorrelation;
 pub(crate) mod basis;
+pub(crate) mod beside;
 #[cfg(test)]
 pub(crate) mod dense;
 pub(crate) mod dependence;
@@ -24,6 +26,7 @@ mod dependence_tests;
 pub(crate) mod emitted;
 pub(crate) mod equations;
 pub(crate) mod evaluated;
+pub(crate) mod heavier;
 pub(crate) mod joint_noise;
 #[cfg(test)]
 mod joint_noise_tests;

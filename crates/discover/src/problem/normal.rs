@@ -14,6 +14,7 @@ use crate::problem::equations::bordered;
 use crate::problem::observation::Observation;
 use crate::statistics::product::cross;
 use nalgebra::{DMatrix, DVector};
+use std::ops::Range;
 use truepose_errormodel::Dataset;
 use truepose_identify::NoiseModel;
 
@@ -55,6 +56,9 @@ struct Products {
 pub(crate) struct Normal {
     classes: Vec<Class>,
 }
+
+/// Columns of several candidates, class by class.
+pub(crate) struct Grouped(Vec<GroupedColumns>);
 
 /// A candidate's columns X against each other and against [A | y], class by class.
 pub(crate) struct CandidateProducts {
@@ -172,6 +176,41 @@ impl Normal {
             (class.rows.products(&mine), mine.products(&mine))
         });
         CandidateProducts { width: extra.ncols(), classes: classes.collect() }
+    }
+
+    /// Raw columns, m × k, by class.
+    pub fn grouped(&self, columns: &DMatrix<f64>) -> Grouped {
+        Grouped(self.classes.iter().map(|class| class.grouped(columns.select_rows(&class.members))).collect())
+    }
+
+    /// `[A | y]ᵀ V⁻¹ X` under a noise: r + 1 rows.
+    pub fn across(&self, noise: NoiseModel, columns: &Grouped) -> DMatrix<f64> {
+        self.summed(noise, |at, class| class.rows.products(&columns.0[at]))
+    }
+
+    /// `XᵀV⁻¹Y` under a noise.
+    pub fn between(&self, noise: NoiseModel, first: &Grouped, second: &Grouped) -> DMatrix<f64> {
+        self.summed(noise, |at, _| first.0[at].products(&second.0[at]))
+    }
+
+    /// `XᵀV⁻¹X` of some of the columns under a noise.
+    pub fn own(&self, noise: NoiseModel, columns: &Grouped, which: Range<usize>) -> DMatrix<f64> {
+        self.summed(noise, |at, _| {
+            let part = |all: &DMatrix<f64>| all.columns(which.start, which.len()).into_owned();
+            let of = &columns.0[at];
+            let own = GroupedColumns { about: of.about.as_ref().map(part), means: part(&of.means) };
+            own.products(&own)
+        })
+    }
+
+    fn summed(&self, noise: NoiseModel, products: impl Fn(usize, &Class) -> Products) -> DMatrix<f64> {
+        let mut sum: Option<DMatrix<f64>> = None;
+        for (at, class) in self.classes.iter().enumerate() {
+            let products = products(at, class);
+            let (rows, columns) = products.between.shape();
+            products.add_to(sum.get_or_insert_with(|| DMatrix::zeros(rows, columns)), class.weights(noise).0);
+        }
+        sum.unwrap_or_else(|| DMatrix::zeros(0, 0))
     }
 
     /// The Gram matrix of `[A | X | y]` under a noise, and the logarithm of the determinant of its covariance.

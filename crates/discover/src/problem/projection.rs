@@ -14,7 +14,7 @@
 use crate::error::DiscoverError;
 use crate::hypotheses::candidate::Candidate;
 use crate::hypotheses::change::Change;
-use crate::problem::basis::basis;
+use crate::problem::basis::{basis, gain};
 use crate::problem::linearisation::Linearisation;
 use crate::problem::noise::Noise;
 use crate::problem::tables::{Sums, Tables};
@@ -43,13 +43,6 @@ pub(crate) struct Projection {
     /// For each of the last columns of Q_1, of directions that the prior holds as much as the data: its length in the prior's rows.
     pub held: Vec<f64>,
     tables: OnceLock<Tables>,
-}
-
-/// Whitened columns of a candidate, m × k, with what is needed of them to ask for its gain beside others, again and again.
-#[derive(Debug, Clone)]
-pub(crate) struct Accumulated {
-    columns: DMatrix<f64>,
-    sums: Sums,
 }
 
 /// How a candidate does against what is left.
@@ -146,13 +139,6 @@ impl Projection {
         Some((x - product(&self.q, &along)) * basis)
     }
 
-    /// Candidates of these raw columns (m × k), whose gains beside others are to be found.
-    pub fn accumulate<'c>(&self, candidates: impl IntoIterator<Item = &'c DMatrix<f64>>) -> Vec<Accumulated> {
-        let columns: Vec<_> = candidates.into_iter().map(|raw| self.whitener.of(raw)).collect();
-        let sums = self.sums_of(&columns);
-        columns.into_iter().zip(sums).map(|(columns, sums)| Accumulated { columns, sums }).collect()
-    }
-
     /// Whitened columns of a candidate, m × k, with Φ of each visit's first row.
     pub fn columns(
         &self,
@@ -185,27 +171,6 @@ impl Projection {
         candidates.iter().map(of).collect()
     }
 
-    /// The gain of candidates beside further raw columns (m × k): (gain, freedom) of each; none where nothing is left.
-    pub fn beside(
-        &self,
-        more: &DMatrix<f64>,
-        accumulated: &[Accumulated],
-    ) -> Option<Vec<Option<(f64, usize)>>> {
-        let (new, explained) = self.directions(more)?;
-        let rss = self.rss - explained.norm_squared();
-        let gain = |accumulated: &Accumulated| {
-            let along = cross(&new, &accumulated.columns);
-            let Sums { along: before, raw, score } = &accumulated.sums;
-            let left = raw - gram_matrix(before) - gram_matrix(&along);
-            let basis = basis(raw, &left, self.absorbed)?;
-            // X̃ᵀ r̃ with the new r̃.
-            let score = score - along.tr_mul(&explained);
-            let squares = basis.tr_mul(&score).norm_squared();
-            Some((self.gain(squares, rss), basis.ncols()))
-        };
-        Some(accumulated.iter().map(gain).collect())
-    }
-
     /// Fraction of RSS that raw columns (m × k) explain; zero when nothing of them is left.
     pub fn explained(&self, columns: &DMatrix<f64>) -> f64 {
         let x = self.whitener.of(columns);
@@ -236,11 +201,6 @@ impl Projection {
     /// How many numbers were measured.
     pub fn len(&self) -> usize {
         self.residual.len()
-    }
-
-    /// −m ln(1 − SS/RSS).
-    pub fn gain(&self, squares: f64, rss: f64) -> f64 {
-        -(self.len() as f64) * (1.0 - (squares / rss).min(1.0 - 1e-12)).ln()
     }
 
     /// How a candidate does; none when nothing of it is left, or the data lacks what it reads.
@@ -283,7 +243,7 @@ impl Projection {
         let squares = basis.tr_mul(score).norm_squared();
         Some(Score {
             freedom,
-            gain: self.gain(squares, self.rss),
+            gain: gain(self.len(), squares, self.rss),
             surprisal: surprisal(squares / self.rss, freedom, self.freedom),
             share: left.trace() / total,
             basis: basis.map(|v| v as f32),

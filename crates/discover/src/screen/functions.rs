@@ -37,6 +37,9 @@ struct AtFrame {
     all: Option<Option<Score>>,
 }
 
+/// The unit response of a component, with Q_1ᵀX and Xᵀr̃ of all functions.
+type Through = (UnitResponse, (DMatrix<f64>, DVector<f64>));
+
 /// At which components of a frame the candidates have a set of functions.
 #[derive(Debug, Clone, Copy, Default)]
 struct Wanted {
@@ -90,14 +93,13 @@ impl Functions {
             .map(|(at, sites)| {
                 let of_frame = || wanted.iter().map(|by_frame| &by_frame[at]);
                 // Unit responses of the components that a candidate has, with the products of all functions.
-                let unit: [Option<(UnitResponse, (DMatrix<f64>, DVector<f64>))>; 6] =
-                    std::array::from_fn(|k| {
-                        of_frame().any(|wanted| wanted.all || wanted.single[k]).then(|| {
-                            let response = tables.unit_response(&projection.q, &[(sites[k], turned[k])]);
-                            let through = response.through(&values);
-                            (response, through)
-                        })
-                    });
+                let unit: [Option<Through>; 6] = std::array::from_fn(|k| {
+                    of_frame().any(|wanted| wanted.all || wanted.single[k]).then(|| {
+                        let response = tables.unit_response(&projection.q, &[(sites[k], turned[k])]);
+                        let through = response.through(&values);
+                        (response, through)
+                    })
+                });
                 let score = |own: &Range<usize>, wanted: &Wanted| {
                     let (first, count) = (own.start, own.len());
                     let single = std::array::from_fn(|k| {

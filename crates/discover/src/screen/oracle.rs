@@ -69,7 +69,7 @@ fn functions_and_periods_score_as_whole_matrices_do() {
             // The basis is that of the functions: with what they give at each site it is the gain.
             let score = functions.scores_at(&linearisation, candidate, &scores).unwrap();
             let squares = fast.basis.map(f64::from).tr_mul(&score).norm_squared();
-            let again = projection.gain(squares, projection.rss);
+            let again = crate::problem::basis::gain(projection.len(), squares, projection.rss);
             assert!(
                 (again - gain[0]).abs() < 1e-4 * (1.0 + gain[0]),
                 "{}: {again} {gain:?}",
