@@ -61,6 +61,9 @@ fn every_verb_has_a_page() {
     folder.run(&["verify", "i/run.json"]).ended(0);
     let head = folder.read("i/index.html");
     assert!(head.contains("<dt>operator</dt><dd>&lt;b&gt;N. N.&lt;/b&gt;</dd>"), "{}", &head[..3000]);
+    let run: serde_json::Value = serde_json::from_str(&folder.read("i/run.json")).unwrap();
+    let robot = &run["inputs"][0]["sha256"].as_str().unwrap()[..8];
+    assert!(head.contains(&format!("<dt>files read</dt><dd>robot.toml ({robot}), ")), "{}", &head[..3000]);
     let Some(browser) = browser() else {
         println!("SKIPPED: no Chromium is installed; the pages were not looked at in a browser");
         return;

@@ -14,13 +14,24 @@ pub(crate) struct SheetStage {
     pub verified: Option<PositionStatistics>,
 }
 
+/// The last part of a path, however its folders are separated.
+fn name_of(path: &str) -> &str {
+    path.rsplit(['/', '\\']).next().unwrap_or(path)
+}
+
 impl Page {
-    /// Robot, instrument, operator and date as the certificate has them, then these facts and the program.
+    /// Robot, instrument, operator and date as the certificate has them, then these facts, the files that were read with the beginning of their
+    /// SHA-256, and the program.
     pub(crate) fn head(&mut self, run: &RunRecord, facts: &[(&str, String)]) {
         let stated = run.certificate.iter().flatten().map(|(name, text)| (name.as_str(), text.clone()));
         let facts = facts.iter().map(|(name, text)| (*name, text.clone()));
         self.body += "<dl class=\"head\">";
-        for (name, text) in stated.chain(facts).chain([("software", run.program.clone())]) {
+        let read = run.inputs.iter().map(|input| {
+            format!("{} ({})", name_of(&input.file), input.sha256.get(..8).unwrap_or(&input.sha256))
+        });
+        let read =
+            Some(("files read", read.collect::<Vec<_>>().join(", "))).filter(|_| !run.inputs.is_empty());
+        for (name, text) in stated.chain(facts).chain(read).chain([("software", run.program.clone())]) {
             let _ = write!(self.body, "<div><dt>{}</dt><dd>{}</dd></div>", escape(name), escape(&text));
         }
         self.body += "</dl>";
