@@ -41,7 +41,7 @@ pub(crate) fn contest(
     Contests::new(linearisation, screen, more_periods_allowed)?.without(barred)
 }
 
-/// A cause, and whether its variant with further periods took part beside the others.
+/// A cause, and whether its variant with further periods is one of its shapes.
 type Shape = (usize, bool);
 
 /// Contests of one screen. What was computed of a cause stays for those that follow without some of the others.

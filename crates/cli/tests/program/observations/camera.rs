@@ -68,7 +68,7 @@ fn a_tag_of_known_size_on_the_tool_gives_the_scale() {
     // A corner is seen to 0.04 px of 30 px that the tag is wide: a thousandth an image, of 45 images.
     let lengths = cell.lengths(&folder);
     assert!(lengths < 0.4, "{lengths} mm");
-    // Of one corner alone nothing says how long anything is, and that is the one thing said.
+    // With one corner alone the scale is not determined, and the message contains that and nothing else.
     let one: Vec<&str> = data
         .lines()
         .filter(|line| !line.contains(",c1,") && !line.contains(",c2,") && !line.contains(",c3,"))
