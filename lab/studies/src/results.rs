@@ -1,4 +1,4 @@
-//! What a run leaves: its tables in `lab/results/STUDY.md`, and the generated parts of `docs/reliability.md`.
+//! What a run leaves: its tables in `lab/results/STUDY.md`, and the parts of `lab/results/reliability.md`.
 //!
 //! A run has a section of its own, with its command, its commit and its date; it replaces the section of the same command.
 
@@ -32,9 +32,9 @@ pub fn keep(study: &str, file: &Path, text: &str) -> Outcome {
     Ok(())
 }
 
-/// Writes the part of this name of `docs/reliability.md`, between its two markers; other text is not changed.
+/// Writes the part of this name of `lab/results/reliability.md`, between its two markers; other text is not changed.
 pub fn publish(part: &str, tables: &str) -> Outcome {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/reliability.md");
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../results/reliability.md");
     let text = fs::read_to_string(&path)?;
     let published = published(&text, part, tables)
         .ok_or_else(|| format!("{}: the markers of `{part}` are missing", path.display()))?;
@@ -110,7 +110,7 @@ mod tests {
         assert_eq!(new, format!("# A\n\n{}\n\nmore\n{other}", marked("\n\n| a |\n\n")));
         assert!(published("no markers", "one", "x").is_none());
         for part in ["reliability", "unseen tuning", "unseen locked", "unseen locked-2", "unseen locked-5"] {
-            let document = include_str!("../../../docs/reliability.md");
+            let document = include_str!("../../results/reliability.md");
             assert!(published(document, part, "").is_some(), "{part}");
         }
     }
