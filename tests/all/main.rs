@@ -24,6 +24,7 @@ mod cross_validation;
 mod discovery;
 mod exact;
 mod excitation;
+mod few_poses;
 mod guard_bands;
 mod invariances;
 mod kinematics_files;

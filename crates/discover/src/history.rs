@@ -11,6 +11,8 @@ pub(crate) struct History {
     iterations: usize,
     /// Candidates that passed the tests of the linearised problem and failed those of the refitted model.
     pub barred: Vec<Candidate>,
+    /// Findings that the joint fit with later ones refused at the end; the search goes on without them.
+    dropped: Vec<Candidate>,
     /// Findings whose nonlinear parameters were optimised jointly.
     descended: Option<Structure>,
     /// Whether all findings were reconsidered at the end.
@@ -39,6 +41,17 @@ impl History {
         } else {
             None
         }
+    }
+
+    /// Bars these findings from the rest of the search.
+    pub fn drop(&mut self, findings: Vec<Candidate>) {
+        self.dropped.extend(findings);
+        self.begin_again();
+    }
+
+    /// After a finding: candidates that the refitted model refused may be tested again.
+    pub fn begin_again(&mut self) {
+        self.barred.clone_from(&self.dropped);
     }
 
     /// Whether screens have a wander beside the model.

@@ -95,7 +95,13 @@ pub(crate) fn search(
         }
         outcome.untestable = untestable(&linearisation, &screen, outcome.last.detectable_gain);
         outcome.model = named(context, outcome.model)?;
-        outcome.model = without_insignificant(context, outcome.model, &mut outcome.refused)?;
+        let dropped;
+        (outcome.model, dropped) = without_insignificant(context, outcome.model, &mut outcome.refused)?;
+        if !dropped.is_empty() {
+            // What they explained is left over: another cause may explain it.
+            history.drop(dropped);
+            continue;
+        }
         outcome.stopped = stop.unwrap_or(match p_value > options.alpha {
             true => Termination::NothingLeft,
             false => Termination::NothingConvincing,
@@ -123,7 +129,7 @@ fn add(
         progress(Progress::Found(candidate.words()))?;
         match admitted(context, &outcome.model, accepted)? {
             Ok(model) => {
-                history.barred.clear();
+                history.begin_again();
                 outcome.model = model;
                 return Ok(true);
             }

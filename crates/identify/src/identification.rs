@@ -147,7 +147,7 @@ fn steps(
         &selected
     };
     begin(Step::Placing)?;
-    let placement = place(chain, train)?;
+    let placement = place(chain, train)?.checked()?;
     let placed = &placement.chain;
     begin(Step::FramesOnly)?;
     let groups = landmark_groups(effects);

@@ -44,10 +44,6 @@ pub fn estimate_noise(
         position_sd = within(&axes, freedom.within);
         visit_sd = shared(&axes, position_sd, freedom.between);
     }
-    if visit_sd <= 0.0 {
-        position_sd = excess(&axes.values, freedom.positions());
-    }
-    position_sd = position_sd.max(least_sd(data, visit_sd));
     let turns: Vec<(f64, f64)> = residuals
         .orientation
         .iter()
@@ -57,10 +53,59 @@ pub fn estimate_noise(
         .map(|(row, k, r)| (r, stated(data.orientation_sd[row][k])))
         .collect();
     let default = NoiseModel::default();
+    let positions =
+        Stratum { values: &axes.values, freedom: freedom.positions(), usual: default.position_sd };
+    let turns = Stratum { values: &turns, freedom: freedom.turns, usual: default.orientation_sd };
+    if visit_sd <= 0.0 {
+        position_sd = positions.beside(&turns);
+    }
+    position_sd = position_sd.max(least_sd(data, visit_sd));
     NoiseModel {
         position_sd: if axes.values.is_empty() { default.position_sd } else { position_sd },
         visit_sd,
-        orientation_sd: if turns.is_empty() { default.orientation_sd } else { excess(&turns, freedom.turns) },
+        orientation_sd: turns.beside(&positions),
+    }
+}
+
+/// Numbers of one unit.
+struct Stratum<'a> {
+    /// (r, s).
+    values: &'a [(f64, f64)],
+    freedom: f64,
+    /// What a usual instrument has, m or rad.
+    usual: f64,
+}
+
+impl Stratum<'_> {
+    /// τ of these numbers, of which the others have another. Where hardly any degree of freedom is left, residuals say next to nothing: the model
+    /// follows them, and the fit would end at a τ of zero with intervals of zero. With fewer than [`FEW`] degrees of freedom up to one more
+    /// number counts that is as large as the usual τ, times the factor that all numbers have in common; with fewer than [`FEW_IN_ALL`] that
+    /// factor is held towards one in the same way. Stated standard deviations need none of it.
+    fn beside(&self, others: &Stratum<'_>) -> f64 {
+        /// Degrees of freedom of one unit from which on they speak for themselves.
+        const FEW: f64 = 12.0;
+        /// The same of all numbers.
+        const FEW_IN_ALL: f64 = 6.0;
+        if self.values.is_empty() {
+            return self.usual;
+        }
+        let weight = |freedom: f64, few: f64| (1.0 - freedom / few).max(0.0);
+        let is_stated = self.values.iter().all(|(_, s)| *s > 0.0);
+        let all = self.freedom + if others.values.is_empty() { 0.0 } else { others.freedom };
+        let (own, common) = (weight(self.freedom, FEW), weight(all, FEW_IN_ALL));
+        let alone = others.values.is_empty();
+        if is_stated || (common <= 0.0 && (own <= 0.0 || alone)) {
+            return excess(self.values, self.freedom);
+        }
+        let scaled = |stratum: &Stratum<'_>| -> Vec<(f64, f64)> {
+            stratum.values.iter().map(|(r, s)| (r / stratum.usual, s / stratum.usual)).collect()
+        };
+        let every = [scaled(self), scaled(others), vec![(common.sqrt(), 0.0)]].concat();
+        let usual = self.usual * excess(&every, all + common);
+        if alone {
+            return usual;
+        }
+        excess(&[self.values, &[(own.sqrt() * usual, 0.0)]].concat(), self.freedom + own)
     }
 }
 
@@ -298,6 +343,27 @@ mod tests {
         let omega = excess(&axes.values, 1100.0);
         let sum: f64 = axes.values.iter().map(|(r, s)| r * r / (s * s + omega * omega)).sum();
         assert!(omega > 1e-5 && (sum / 1100.0 - 1.0).abs() < 1e-9, "{omega} {sum}");
+    }
+
+    #[test]
+    fn residuals_that_hardly_have_a_degree_of_freedom_do_not_make_a_noise_of_zero() {
+        let (positions, turns) = ([(1e-9, 0.0); 24], [(2e-4, 0.0); 24]);
+        let of = |positions: &[(f64, f64)], stated: f64, freedom: [f64; 2]| {
+            let positions: Vec<_> = positions.iter().map(|(r, _)| (*r, stated)).collect();
+            let each = [(&positions[..], freedom[0], 1e-4), (&turns[..], freedom[1], 3e-4)];
+            let [a, b] = each.map(|(values, freedom, usual)| Stratum { values, freedom, usual });
+            [a.beside(&b), b.beside(&a)]
+        };
+        // Positions that are followed get what orientations leave, in the usual proportion.
+        let [position, turn] = of(&positions, 0.0, [0.5, 20.0]);
+        assert!(position > 4e-5 && position < 1e-4 && turn > 2e-4 && turn < 3e-4, "{position} {turn}");
+        // Where all numbers are followed it is what usual instruments have.
+        let alone = Stratum { values: &positions, freedom: 0.5, usual: 1e-4 };
+        let nothing = Stratum { values: &[], freedom: 0.0, usual: 3e-4 };
+        assert!((alone.beside(&nothing) / 1e-4 - 1.0).abs() < 0.5);
+        // With degrees of freedom, or with stated deviations, they speak for themselves.
+        assert!(of(&positions, 0.0, [20.0, 20.0])[0] < 2e-9);
+        assert!(of(&positions, 1e-5, [0.5, 20.0])[0] < 1e-12);
     }
 
     /// Visits of single rows with deviation 5e-5, and so many pairs of rows that are the same to the bit.

@@ -5,7 +5,7 @@
 use crate::comparison::squares;
 use crate::{FitOptions, Folds, IdentifyError, Method, Split, cross_validate, fit, place, student_quantile};
 use truepose_errormodel::effects::JointCompliance;
-use truepose_errormodel::{AnyEffect, Dataset, ErrorModel, Visits};
+use truepose_errormodel::{AnyEffect, Dataset, ErrorModel, Visits, configurations};
 use truepose_kinematics::{Chain, ChainError, Gravity, GravityFrame, Load};
 use truepose_solvers::Solver;
 
@@ -15,8 +15,8 @@ const TILTED: f64 = 0.1;
 const POSES: usize = 300;
 /// p of the test of folds below which one direction is the better one, and the most that its held-out RMS is of the other's. Convention.
 const CLEAR: (f64, f64) = (0.01, 0.95);
-/// Folds of the comparison.
-const FOLDS: usize = 10;
+/// Most folds of the comparison, and the fewest that can tell the directions apart.
+const FOLDS: (usize, usize) = (10, 3);
 
 /// A direction of gravity that was assumed.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -62,7 +62,8 @@ fn differ(a: &[(f64, usize)], b: &[(f64, usize)]) -> bool {
     mean.abs() > student_quantile(1.0 - 0.5 * CLEAR.0, ratios.len() - 1) * scale
 }
 
-/// Compares both directions for a robot whose gravity is not declared; `None` where they agree, or nothing is known to have a weight.
+/// Compares both directions for a robot whose gravity is not declared; `None` where they agree, nothing is known to have a weight, or there are
+/// fewer than three configurations.
 ///
 /// # Errors
 /// When base and tool cannot be found, or a fit fails.
@@ -82,6 +83,10 @@ pub fn vertical(
     let mut rows: Vec<usize> = visits.rows.into_iter().step_by(step).flatten().collect();
     rows.sort_unstable();
     let data = &data.select(&rows);
+    let count = configurations(data).into_iter().max().map_or(0, |last| last + 1);
+    if count < FOLDS.1 {
+        return Ok(None);
+    }
     let placed = place(chain, data)?.chain;
     let down = placed.gravity().vector;
     let angle = down.angle(&(placed.base().pose.rotation * down));
@@ -94,7 +99,7 @@ pub fn vertical(
     for &joint in placed.movable().iter().filter(|joint| !yields(joint)) {
         all.push(Box::new(JointCompliance::of(joint)));
     }
-    let folds = Folds::new(data, &Split::Random { folds: FOLDS, seed: 0 })?;
+    let folds = Folds::new(data, &Split::Random { folds: FOLDS.0.min(count), seed: 0 })?;
     let mut tried = Vec::new();
     for frame in [GravityFrame::Measurement, GravityFrame::Base] {
         let model = ErrorModel::new(towards(&placed, frame)?, all.clone())?;
@@ -107,4 +112,32 @@ pub fn vertical(
     let clear = rms[better] < CLEAR.1 * rms[1 - better] && differ(&tried[better].0, &tried[1 - better].0);
     let frame = if clear && better == 1 { GravityFrame::Base } else { GravityFrame::Measurement };
     Ok(Some(Vertical { angle, frame, rms, clear }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use truepose_errormodel::effects::Geometric;
+    use truepose_errormodel::{DatasetBuilder, Measurement};
+    use truepose_kinematics::{Placed, Pose, samples};
+    use truepose_solvers::PivotedQr;
+
+    #[test]
+    fn a_tilted_arm_needs_no_ten_configurations() {
+        let tilted = Pose::from_xyz_rpy([1.0, 0.0, 0.5], [0.4, 0.0, 0.0]);
+        let chain = samples::heavy().with_base(Placed { pose: tilted, known: true }).unwrap();
+        let effects: Vec<Box<dyn AnyEffect>> = vec![Box::new(Geometric::default())];
+        for configurations in [1, 2, 3, 8] {
+            let mut data = DatasetBuilder::new(&chain);
+            for k in 0..configurations {
+                let joints: Vec<f64> =
+                    (0..chain.movable().len()).map(|j| ((k * 7 + j * 3) as f64).sin()).collect();
+                let position = chain.forward(&joints).translation;
+                data.push(Measurement::at(joints).position(position).visit(k as u64)).unwrap();
+            }
+            let how = (&PivotedQr::default() as &dyn Solver, &FitOptions::default());
+            let found = vertical(&chain, &effects, &data.finish(), how).unwrap();
+            assert_eq!(found.is_some(), configurations > 2, "{configurations}");
+        }
+    }
 }

@@ -5,6 +5,7 @@
 
 use crate::IoError;
 use crate::unfinished::{Remembered, begun};
+use crate::write_whole::is_device;
 use std::fs::{File, OpenOptions, TryLockError};
 use std::path::{Path, PathBuf};
 
@@ -74,7 +75,7 @@ impl Drop for FileLock {
 
 /// The file of a lock.
 fn beside(path: &Path) -> Option<PathBuf> {
-    if path.starts_with("/dev") {
+    if is_device(path) {
         return None;
     }
     match path.metadata() {

@@ -67,6 +67,11 @@ enum Sink {
     Direct(BufWriter<File>),
 }
 
+/// Whether a path names a device or an open descriptor, as `/dev/stdout` does. Folders in `/dev` are folders: `/dev/shm` holds files.
+pub(crate) fn is_device(path: &Path) -> bool {
+    path.parent() == Some(Path::new("/dev")) || path.starts_with("/dev/fd") || path.starts_with("/proc")
+}
+
 impl WholeFile {
     /// Begins a file.
     ///
@@ -88,7 +93,7 @@ impl WholeFile {
         if existing.as_ref().is_some_and(fs::Metadata::is_dir) {
             return Err(IoError::Write { file: path.into(), message: "it is a folder; name a file".into() });
         }
-        let regular = existing.as_ref().is_none_or(fs::Metadata::is_file) && !path.starts_with("/dev");
+        let regular = existing.as_ref().is_none_or(fs::Metadata::is_file) && !is_device(path);
         if !regular {
             let file = OpenOptions::new().append(true).open(path).map_err(|error| refused(path, &error))?;
             return Ok(WholeFile { path: path.into(), sink: Sink::Direct(BufWriter::new(file)) });
@@ -336,6 +341,9 @@ mod tests {
     #[cfg(unix)]
     #[test]
     fn special_files_are_written_directly() {
+        let devices = ["/dev/null", "/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"];
+        assert!(devices.iter().all(|path| is_device(Path::new(path))));
+        assert!(!is_device(Path::new("/dev/shm/fit.json")) && !is_device(Path::new("fit.json")));
         write_whole("/dev/null", b"x").unwrap();
         if Path::new("/dev/full").exists() {
             let message = write_whole("/dev/full", b"x").unwrap_err().to_string();

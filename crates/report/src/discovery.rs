@@ -4,7 +4,7 @@ mod adequacy;
 mod advice;
 mod candidates;
 mod dependence;
-mod effects;
+pub(crate) mod effects;
 mod gain;
 mod joints;
 mod meaning;

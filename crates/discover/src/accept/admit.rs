@@ -11,6 +11,7 @@ use crate::accept::evidence::{Doubt, Refused};
 use crate::accept::model::Model;
 use crate::accept::refine::refined_in_model;
 use crate::error::DiscoverError;
+use crate::hypotheses::candidate::Candidate;
 use crate::model::admissible::{Objection, objection};
 use crate::model::current::Context;
 use crate::model::refits::compared;
@@ -79,13 +80,14 @@ fn doubt_about(
     Ok((worse || (earlier.converged && !refits.converged)).then_some(Doubt::WorseUnseen))
 }
 
-/// The model without the findings that are no longer significant or physical in the joint fit; those are
+/// The model without the findings that are no longer significant or physical in the joint fit, and these; they are
 /// added to `refused`.
 pub(crate) fn without_insignificant(
     context: &Context<'_>,
     mut model: Model,
     refused: &mut Vec<Refused>,
-) -> Result<Model, DiscoverError> {
+) -> Result<(Model, Vec<Candidate>), DiscoverError> {
+    let mut dropped = Vec::new();
     let mut at = 0;
     while at < model.findings.len() {
         let own = model.effects_of(context, at);
@@ -96,11 +98,12 @@ pub(crate) fn without_insignificant(
         };
         let mut findings = model.findings.clone();
         let Accepted { candidate, evidence, .. } = findings.remove(at);
+        dropped.push(candidate.clone());
         Refused { candidate, evidence, doubt: doubt_of(objection) }.note_in(refused);
         model = model.refitted(context, findings)?;
         at = 0;
     }
-    Ok(model)
+    Ok((model, dropped))
 }
 
 /// The doubt that an objection is.

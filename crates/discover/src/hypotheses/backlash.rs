@@ -91,7 +91,7 @@ impl Hypothesis for LostMotion {
     }
 
     fn limits(&self) -> &[Limit] {
-        &[Limit::DriveAngle]
+        &[Limit::FirstNotNegative, Limit::DriveAngle]
     }
 
     fn nonlinear(&self, effect: &dyn AnyEffect) -> Option<Nonlinear> {

@@ -4,7 +4,7 @@
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Limit {
-    /// The first coefficient is a compliance: it is not negative beyond twice its standard deviation.
+    /// The first coefficient is a compliance or a gap: it is not negative beyond twice its standard deviation.
     FirstNotNegative,
     /// The coefficients lie within a hundred prior standard deviations: a link that needs more would be as soft as paper.
     BoundedWidth,

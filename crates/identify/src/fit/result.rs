@@ -48,13 +48,16 @@ pub struct Fit {
 
 impl Fit {
     /// Degrees of freedom of the noise that intervals rest on, at least one: where visits share what differs from one to the next, those
-    /// between visits, for more rows of a visit say no more about it; otherwise m − r.
+    /// between visits, for more rows of a visit say no more about it; otherwise m − r, or what positions or orientations alone have left.
     pub fn degrees_of_freedom(&self) -> usize {
         let shapes = self.shapes.len();
         let all = self.observations.saturating_sub(self.reduction.rank() + shapes);
-        let between =
-            self.scatter.filter(|_| self.noise.visit_sd > 0.0).map(|left| left.between.round() as usize);
-        between.map_or(all, |between| between.saturating_sub(shapes).min(all)).max(1)
+        let fewest = self.scatter.map(|left| match self.noise.visit_sd > 0.0 {
+            true => left.between,
+            false if left.turns > 0.0 && left.positions() > 0.0 => left.positions().min(left.turns),
+            false => left.positions() + left.turns,
+        });
+        fewest.map_or(all, |fewest| (fewest.round() as usize).saturating_sub(shapes).min(all)).max(1)
     }
 
     /// Half width of the 95 % interval of each coefficient of the model, in its unit; zero for dropped ones.

@@ -33,8 +33,7 @@ pub fn place_fitted(fitted: &FittedModel, chain: &Chain, data: &Dataset) -> Resu
     data.validate(chain)?;
     let unknowns = Unknowns::of(chain, data);
     if unknowns.is_empty() {
-        let chain = chain.clone();
-        return Ok(Placement { chain, found: Vec::new(), rms: 0.0, undetermined: Vec::new() });
+        return Ok(Placement::known(chain.clone()));
     }
     let data = &*data.derived_for(fitted.model())?;
     let mut state = State::of(chain);
@@ -64,10 +63,10 @@ pub fn place_fitted(fitted: &FittedModel, chain: &Chain, data: &Dataset) -> Resu
     }
     let placed = state.applied(chain, &unknowns)?;
     let Some((bare, sights, refined)) = found else {
-        return Ok(Placement { chain: placed, found: Vec::new(), rms: 0.0, undetermined: Vec::new() });
+        return Ok(Placement::known(placed));
     };
-    let undetermined = undetermined(&bare, &unknowns, &refined, &sights, data);
-    Ok(Placement { chain: placed, found: unknowns.words(chain), rms: refined.rms, undetermined })
+    let (undetermined, spare) = undetermined(&bare, &unknowns, &refined, &sights, data);
+    Ok(Placement { chain: placed, found: unknowns.words(chain), rms: refined.rms, undetermined, spare })
 }
 
 /// The robot with these values, and what is unknown still marked so.

@@ -37,6 +37,31 @@ pub struct Placement {
     pub rms: f64,
     /// Directions that the data does not fix, and what would.
     pub undetermined: Vec<Undetermined>,
+    /// Measured numbers beyond the unknowns that they determine: with none of them any placement fits exactly.
+    pub spare: usize,
+}
+
+impl Placement {
+    /// Of a robot all of whose places are known.
+    pub(super) fn known(chain: Chain) -> Self {
+        Placement { chain, found: Vec::new(), rms: 0.0, undetermined: Vec::new(), spare: 0 }
+    }
+
+    /// Refuses a placement that no measured number is left to check: it fits exactly, right or wrong.
+    ///
+    /// # Errors
+    /// When something was found from as many numbers as it has unknowns.
+    pub fn checked(self) -> Result<Self, IdentifyError> {
+        match self.found.is_empty() || self.spare > 0 {
+            true => Ok(self),
+            false => Err(IdentifyError::Placement {
+                what: self.found.join(", "),
+                why: "there are no more measured numbers than unknowns, so that any place fits: measure more poses, or declare \
+                      what is known"
+                    .into(),
+            }),
+        }
+    }
 }
 
 /// Rows that a start is judged on; the refinement of the best start uses more.
@@ -51,14 +76,13 @@ pub fn place(chain: &Chain, data: &Dataset) -> Result<Placement, IdentifyError> 
     data.validate(chain)?;
     let unknowns = Unknowns::of(chain, data);
     if unknowns.is_empty() {
-        let chain = chain.clone();
-        return Ok(Placement { chain, found: Vec::new(), rms: 0.0, undetermined: Vec::new() });
+        return Ok(Placement::known(chain.clone()));
     }
     let sights = sights(chain, data, ROWS_TO_REFINE);
     let final_one = best(chain, &unknowns, &sights)?;
-    let undetermined = undetermined(chain, &unknowns, &final_one, &sights, data);
+    let (undetermined, spare) = undetermined(chain, &unknowns, &final_one, &sights, data);
     let placed = final_one.state.applied(chain, &unknowns)?;
-    Ok(Placement { rms: final_one.rms, found: unknowns.words(chain), chain: placed, undetermined })
+    Ok(Placement { rms: final_one.rms, found: unknowns.words(chain), chain: placed, undetermined, spare })
 }
 
 /// The best placement from nothing.
@@ -249,6 +273,19 @@ mod tests {
         let said = &placed.undetermined[0];
         assert!(said.what.contains("position of the base"), "{said:?}");
         assert_eq!(said.advice, "only j3 moved: move at least two joints whose axes are not parallel");
+    }
+
+    #[test]
+    fn a_placement_that_any_measurement_fits_is_refused() {
+        let mut rng = ChaCha8Rng::seed_from_u64(5);
+        let truth = samples::ur10().with_base(Placed { pose: anywhere(&mut rng), known: true }).unwrap();
+        let blank = truth.clone().with_base(Placed { pose: Pose::IDENTITY, known: false }).unwrap();
+        let blank = blank.with_tool(Placed { pose: Pose::IDENTITY, known: false }).unwrap();
+        // Nine unknowns, since positions do not show how the tool is turned.
+        for (poses, spare) in [(2, 0), (3, 0), (4, 3)] {
+            let placed = place(&blank, &seen(&truth, poses, false, 1.5, 0.0, &mut rng)).unwrap();
+            assert_eq!((placed.spare, placed.checked().is_ok()), (spare, spare > 0), "{poses} poses");
+        }
     }
 
     #[test]

@@ -22,19 +22,26 @@ pub struct Undetermined {
 /// metre) changes them by less than this many metres.
 const UNNOTICED: f64 = 1e-7;
 
+/// Those directions, and how many measured numbers there are beyond the unknowns that they determine.
 pub(super) fn undetermined(
     chain: &Chain,
     unknowns: &Unknowns,
     refined: &Refined,
     sights: &[Sight],
     data: &Dataset,
-) -> Vec<Undetermined> {
+) -> (Vec<Undetermined>, usize) {
+    let measured =
+        |sight: &Sight| 3 * (usize::from(sight.position.is_some()) + usize::from(sight.rotation.is_some()));
+    let measured: usize = sights.iter().map(measured).sum();
+    let spare = |null: usize| measured.saturating_sub(unknowns.count() - null);
     let scale = scales(unknowns, chain.characteristic_length());
-    let Ok(turned) = refined.factor.directions(ColumnScale::Given(&scale)) else { return Vec::new() };
+    let Ok(turned) = refined.factor.directions(ColumnScale::Given(&scale)) else {
+        return (Vec::new(), spare(0));
+    };
     let least = UNNOTICED * (sights.len() as f64).sqrt();
     let null: Vec<usize> = (0..turned.values.len()).filter(|&k| turned.values[k] < least).collect();
     if null.is_empty() {
-        return Vec::new();
+        return (Vec::new(), spare(0));
     }
     let basis = turned.vectors.select_columns(&null);
     let involved = involved(chain, unknowns, &basis);
@@ -44,11 +51,12 @@ pub(super) fn undetermined(
         format!("{} directions", basis.ncols())
     };
     let words: Vec<&str> = involved.iter().map(|block| block.words.as_str()).collect();
-    vec![Undetermined {
+    let found = Undetermined {
         what: format!("{directions} of {}", words.join(", ")),
         advice: advice(chain, unknowns, sights, data),
         turn_of_tools_alone: involved.iter().all(|block| block.turns_a_tool),
-    }]
+    };
+    (vec![found], spare(null.len()))
 }
 
 /// Three unknowns.

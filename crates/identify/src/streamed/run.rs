@@ -71,7 +71,7 @@ impl StreamedRun {
         if let Cow::Owned(_) = sample.derived_for(&declared)? {
             return Err(not_streamed("a channel that lags has to see all rows at once".into()));
         }
-        let placement = place(chain, &sample)?;
+        let placement = place(chain, &sample)?.checked()?;
         let model = declared.on(placement.chain.clone())?;
         let first = of_sample(&model, &sample, solver, &options.fit)?;
         let at = match options.fit.refine {

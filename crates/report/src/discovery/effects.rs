@@ -62,6 +62,9 @@ pub struct FindingSummary {
     pub stability: Option<f64>,
     /// Nonlinear parameters and coefficients with their 95 % intervals.
     pub parameters: Vec<Parameter>,
+    /// True when zero is in the interval of every coefficient: only all of them together are significant.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub only_jointly: bool,
     /// Competing hypotheses, the most likely first.
     pub alternatives: Vec<AlternativeSummary>,
     /// One sentence: what the effect is and where to inspect the robot.
@@ -97,6 +100,10 @@ pub struct AlternativeSummary {
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub simplest: bool,
 }
+
+/// Of a finding whose coefficients are significant only together.
+pub(crate) const ONLY_JOINTLY: &str = "Each coefficient alone could be zero, since they are correlated with constants of the model or with each other: \
+     the test of existence is of all of them together.";
 
 impl FindingSummary {
     /// Of a finding in this data; without a time the numbers of pose measurements stand for it.
@@ -159,6 +166,8 @@ impl FindingSummary {
                 .chain(&finding.parameters)
                 .map(|one| counted(one.clone(), by_order))
                 .collect(),
+            only_jointly: !finding.parameters.is_empty()
+                && finding.parameters.iter().all(|one| one.ci95[0] <= 0.0 && one.ci95[1] >= 0.0),
             alternatives: finding.alternatives.iter().map(AlternativeSummary::from).collect(),
             meaning: super::meaning::meaning(finding, by_order),
         }

@@ -1,5 +1,6 @@
 //! A discovery as text for a terminal: verdict, error budget, each finding.
 
+use super::effects::ONLY_JOINTLY;
 use super::{DiscoverySummary, FindingSummary};
 use crate::wording::heading;
 use crate::wording::p_text;
@@ -166,6 +167,9 @@ impl FindingSummary {
         }
         if self.parameters.len() > 4 {
             writeln!(f, "   and {} more coefficients", self.parameters.len() - 4)?;
+        }
+        if self.only_jointly {
+            writeln!(f, "   {ONLY_JOINTLY}")?;
         }
         if self.family == Family::Outlier.word() {
             writeln!(f, "   {}", self.places(12))?;

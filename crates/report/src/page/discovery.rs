@@ -4,6 +4,7 @@ use super::rows::{Rows, complement, merged};
 use super::sheet::SheetStage;
 use super::specification::specification;
 use super::{Page, Report};
+use crate::discovery::effects::ONLY_JOINTLY;
 use crate::discovery::text::WITHOUT_EXCLUDED;
 use crate::discovery::{DiscoverySummary, FindingSummary};
 use crate::figure::{Bar, escape, range, trace_figure, unit_text, waterfall};
@@ -258,6 +259,9 @@ fn finding(page: &mut Page, number: usize, effect: &FindingSummary, found: &Diag
     page.table("Parameters with 95 % confidence intervals", &["parameter", "value", "unit"], &rows, true);
     if folded {
         page.raw("</details>");
+    }
+    if effect.only_jointly {
+        page.note(ONLY_JOINTLY);
     }
     page.text(&format!(
         "Existence: {} (family-wise, rotation test){}; RMS on held-out rows {} → {} mm. Name (probability): {}.{}",
