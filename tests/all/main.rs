@@ -24,15 +24,18 @@ mod cross_validation;
 mod discovery;
 mod exact;
 mod excitation;
+mod external_axes;
 mod guard_bands;
 mod invariances;
 mod kinematics_files;
+mod leaning;
 #[path = "../metamorphic/mod.rs"]
 mod metamorphic;
 mod odd_robots;
 mod permuted;
 mod placement;
 mod plants;
+mod positioner;
 mod program_loads;
 mod programs;
 mod readme;
