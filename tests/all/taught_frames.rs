@@ -42,7 +42,7 @@ fn really(plant: &Plant, joints: &[f64]) -> Pose {
     plant.true_pose(&Conditions::at(plant.chain(), joints)).expect("a pose")
 }
 
-fn three_points(points: &[Vector3<f64>]) -> Pose {
+pub fn three_points(points: &[Vector3<f64>]) -> Pose {
     let x = (points[1] - points[0]).normalize();
     let z = x.cross(&(points[2] - points[0])).normalize();
     Pose::new(Matrix3::from_columns(&[x, z.cross(&x), z]), points[0])
@@ -53,9 +53,9 @@ fn touched(word: &str, line: usize, joints: &[f64]) -> Touched {
 }
 
 /// A fixture, and a program that goes to points of it.
-struct Fixture {
+pub struct Fixture {
     plant: Plant,
-    fitted: FittedModel,
+    pub fitted: FittedModel,
     tool: Pose,
     /// In the measurement frame.
     real: Pose,
@@ -66,7 +66,7 @@ struct Fixture {
 }
 
 impl Fixture {
-    fn new() -> Fixture {
+    pub fn new() -> Fixture {
         let plant = plant(&arm(false));
         let fitted = identified(&plant);
         let tool = installation(&fitted).expect("an installation").tool;
@@ -91,7 +91,42 @@ impl Fixture {
         Fixture { plant, fitted, tool, real, frame, touched, points }
     }
 
-    fn text(&self) -> String {
+    /// Points in the base of a tool that was taught: a fixed tip is touched in five postures, and the controller solves for the tool with its nominal flange.
+    pub fn with_a_taught_tool() -> (Fixture, Taught) {
+        let fixture = Fixture::new();
+        let (plant, chain) = (&fixture.plant, fixture.plant.chain());
+        let tip = really(plant, &NEAR);
+        let turns = [[0.0, 0.0, 0.0], [0.4, 0.0, 0.0], [-0.4, 0.2, 0.0], [0.0, 0.4, 0.4], [0.1, -0.4, 0.5]];
+        let joints = turns.map(|turn| {
+            let turned = tip.rotation * rotation_vector(&Vector3::from(turn));
+            solved(|q| really(plant, q), &Pose::new(turned, tip.translation))
+        });
+        let (mut left, mut right) = (DMatrix::zeros(15, 6), DVector::zeros(15));
+        for (k, q) in joints.iter().enumerate() {
+            let at = flange(chain, q);
+            left.view_mut((3 * k, 0), (3, 3)).copy_from(&at.rotation);
+            left.view_mut((3 * k, 3), (3, 3)).copy_from(&-Matrix3::identity());
+            right.rows_mut(3 * k, 3).copy_from(&-at.translation);
+        }
+        let found = left.svd(true, true).solve(&right, 1e-12).expect("a tip");
+        let stated = Pose::new(fixture.tool.rotation, found.fixed_rows::<3>(0).into_owned());
+        let off = (stated.translation - fixture.tool.translation).norm();
+        assert!(off > 2e-4, "the taught tool is wrong by {off:e} m");
+        let base = installation(&fixture.fitted).expect("an installation").base;
+        let fixture = Fixture { tool: stated, real: base, frame: Pose::IDENTITY, ..fixture };
+        // Points in the base.
+        let points = fixture
+            .points
+            .iter()
+            .map(|point| base.inverse() * Pose::new(tip.rotation, tip.translation + 0.5 * point.translation));
+        let points = points.collect();
+        let fixture = Fixture { points, ..fixture };
+        let touched = joints.iter().enumerate().map(|(k, q)| touched("", k + 2, q)).collect();
+        let taught = Taught { name: "TOOL_DATA[1]".into(), tool: None, file: "tip.csv".into(), touched };
+        (fixture, taught)
+    }
+
+    pub fn text(&self) -> String {
         let start: Vec<String> =
             NEAR.iter().enumerate().map(|(k, q)| format!("A{} {:.6}", k + 1, q.to_degrees())).collect();
         let mut text =
@@ -104,7 +139,7 @@ impl Fixture {
         text + "END\n"
     }
 
-    fn options(&self) -> CorrectOptions {
+    pub fn options(&self) -> CorrectOptions {
         CorrectOptions {
             frames: vec![("BASE_DATA[2]".into(), self.frame)],
             tools: vec![("TOOL_DATA[1]".into(), self.tool)],
@@ -113,7 +148,7 @@ impl Fixture {
         }
     }
 
-    fn taught(&self) -> Taught {
+    pub fn taught(&self) -> Taught {
         let (name, file) = ("BASE_DATA[2]".into(), "points.csv".into());
         Taught { name, tool: None, file, touched: self.touched.clone() }
     }
@@ -149,7 +184,7 @@ impl Fixture {
     }
 }
 
-fn rms(all: &[f64]) -> f64 {
+pub fn rms(all: &[f64]) -> f64 {
     (all.iter().map(|v| v * v).sum::<f64>() / all.len() as f64).sqrt()
 }
 
@@ -221,45 +256,14 @@ fn points_that_do_not_agree_with_the_frame_are_an_error_with_the_difference() {
 
 #[test]
 fn a_tool_that_was_taught_at_a_fixed_tip_is_corrected_as_well() {
-    let fixture = Fixture::new();
-    let (plant, chain) = (&fixture.plant, fixture.plant.chain());
-    // A fixed tip is touched in five postures; the controller solves for the tool with its nominal flange.
-    let tip = really(plant, &NEAR);
-    let turns = [[0.0, 0.0, 0.0], [0.4, 0.0, 0.0], [-0.4, 0.2, 0.0], [0.0, 0.4, 0.4], [0.1, -0.4, 0.5]];
-    let joints = turns.map(|turn| {
-        let turned = tip.rotation * rotation_vector(&Vector3::from(turn));
-        solved(|q| really(plant, q), &Pose::new(turned, tip.translation))
-    });
-    let (mut left, mut right) = (DMatrix::zeros(15, 6), DVector::zeros(15));
-    for (k, q) in joints.iter().enumerate() {
-        let at = flange(chain, q);
-        left.view_mut((3 * k, 0), (3, 3)).copy_from(&at.rotation);
-        left.view_mut((3 * k, 3), (3, 3)).copy_from(&-Matrix3::identity());
-        right.rows_mut(3 * k, 3).copy_from(&-at.translation);
-    }
-    let found = left.svd(true, true).solve(&right, 1e-12).expect("a tip");
-    let stated = Pose::new(fixture.tool.rotation, found.fixed_rows::<3>(0).into_owned());
-    let off = (stated.translation - fixture.tool.translation).norm();
-    assert!(off > 2e-4, "the taught tool is wrong by {off:e} m");
-    let base = installation(&fixture.fitted).expect("an installation").base;
-    let fixture = Fixture { tool: stated, real: base, frame: Pose::IDENTITY, ..fixture };
-    // Points in the base.
-    let points = fixture
-        .points
-        .iter()
-        .map(|point| base.inverse() * Pose::new(tip.rotation, tip.translation + 0.5 * point.translation));
-    let points = points.collect();
-    let fixture = Fixture { points, ..fixture };
-    let taught =
-        |touched| Taught { name: "TOOL_DATA[1]".into(), tool: None, file: "tip.csv".into(), touched };
-    let touches: Vec<Touched> = joints.iter().enumerate().map(|(k, q)| touched("", k + 2, q)).collect();
+    let (fixture, taught) = Fixture::with_a_taught_tool();
     let unstated = rms(&fixture.corrected(&fixture.options()));
-    let options = CorrectOptions { taught: vec![taught(touches.clone())], ..fixture.options() };
+    let options = CorrectOptions { taught: vec![taught], ..fixture.options() };
     let right = rms(&fixture.corrected(&options));
-    println!("tool off by {off:e}, as it is {unstated:e}, taught {right:e} m");
+    println!("taught tool as it is {unstated:e}, taught {right:e} m");
     assert!(right < 1e-4 && right < 0.4 * unstated, "{right:e} m, without {unstated:e} m");
     let program = Program::read(fixture.text().as_bytes(), &[], Dialect::Krl).expect("a program");
-    let mut options = CorrectOptions { taught: vec![taught(touches)], ..fixture.options() };
+    let mut options = options;
     options.tools[0].1.translation.x += 0.02;
     let error = correct(&program, &fixture.fitted, &options).expect_err("another tool").to_string();
     assert!(error.contains("tip.csv: from these joints the controller has the tip at"), "{error}");
@@ -310,6 +314,15 @@ fn points_in_the_base_get_an_offset_of_the_tool_and_few_points_none_that_does_no
         found.iter().all(|offset| offset.tool && offset.name == "TOOL_DATA[1]" && offset.points.len() == 6);
     let words = "TOOL_DATA[1]: no offset improves its 6 points";
     assert!(helps && found.len() + usize::from(refused.iter().any(|other| other.starts_with(words))) == 1);
+    // The tool of points in a frame and in the base: its new value moves both.
+    let points: String = based.lines().skip(4).map(|line| format!("{line}\n")).collect();
+    let head: String = fixture.text().lines().take(4).map(|line| format!("{line}\n")).collect();
+    let both = format!("{head}{points}$BASE=$NULLFRAME\n{points}");
+    let frames = vec![("BASE_DATA[2]".into(), Pose::IDENTITY)];
+    let (found, words) = fixture.offset(&both, &CorrectOptions { frames, ..options.clone() });
+    assert!(found.len() == 2 && found.iter().any(|offset| offset.tool), "{found:?} {words:?}");
+    let twice = "points in BASE_DATA[2] have this tool as well, and would be corrected twice";
+    assert!(words.iter().any(|words| words.contains(twice)), "{words:?}");
     // Neither a frame nor a tool: nothing can be set.
     let (found, _) = fixture.offset(&based.replace("TOOL_DATA[1]", "$NULLFRAME"), &options);
     assert!(found.is_empty(), "{found:?}");

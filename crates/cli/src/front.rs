@@ -229,9 +229,13 @@ pub struct Commanded {
 ///
 /// # Errors
 /// When a signal that the model needs is missing, or the robot has too many joints.
-pub fn command(fitted: &FittedModel, poses: &mut Poses) -> Result<Vec<Commanded>, CompensateError> {
-    let (commands, expected) = compensate::commanded(fitted, poses, (None, None), &|| ())?;
-    let channels = poses.rows.derived_for(fitted.model())?.schema.channels.clone();
+pub fn command(fitted: &FittedModel, poses: &mut Poses, hold: &[String]) -> Result<Vec<Commanded>, String> {
+    let hold = compensate::held(fitted, hold, poses).map_err(|words| format!("hold: {words}"))?;
+    let sought = compensate::Sought { hold, ..compensate::Sought::default() };
+    let words = |error: CompensateError| error.to_string();
+    let (commands, expected) = compensate::commanded(fitted, poses, &sought, &|| ()).map_err(words)?;
+    let rows = poses.rows.derived_for(fitted.model()).map_err(|error| error.to_string())?;
+    let channels = rows.schema.channels.clone();
     let one = |(command, Expected { within_95, corrected, beyond, .. }): (Command, Expected)| {
         let beyond = beyond::words(&beyond, fitted.chain(), &channels);
         Commanded { command, within_95, corrected, beyond }

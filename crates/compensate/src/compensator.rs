@@ -88,6 +88,7 @@ impl<'m> Compensator<'m> {
             let (value, need) = (tool.0 as f64, "the number of a tool of the robot");
             return Err(CompensateError::Option { option: "tool", value, need });
         }
+        relative::can_hold(chain, &options.hold)?;
         let real = RealArm::bind(fitted, schema, tool)?;
         let (channels, read) = channels_read(fitted, schema);
         let timed = fitted.model().effects().iter().any(|effect| effect.needs().contains(&Signal::Time));
@@ -105,7 +106,8 @@ impl<'m> Compensator<'m> {
             // Limits of a joint that follows another one are limits of that one.
             let narrowed = chain.followers().iter().any(|follower| follower.driver == k);
             let own = if narrowed { chain.controller_limits(joint) } else { chain.joint(joint).limits };
-            if let Some((lower, upper)) = own.filter(|_| chain.is_commanded(k)) {
+            if let Some((lower, upper)) = own.filter(|_| chain.is_commanded(k) && !options.hold.contains(&k))
+            {
                 (limits.lower[k], limits.upper[k]) = (lower / scale[k], upper / scale[k]);
             }
         }
@@ -122,7 +124,7 @@ impl<'m> Compensator<'m> {
         let other = relative::other(fitted, schema, &options)?;
         let stays = relative::stays(chain, &options);
         let kernel = Kernel::of(fitted, real.constant(), &scale, &limits, &options)
-            .filter(|_| chain.followers().is_empty() && other.is_none());
+            .filter(|_| chain.followers().is_empty() && other.is_none() && options.hold.is_empty());
         Ok(Compensator {
             fitted,
             options,
@@ -180,7 +182,8 @@ impl<'m> Compensator<'m> {
 
     /// The command with every finding.
     fn found(&mut self, target: &Target, conditions: &Conditions, seed: Option<&[f64]>) -> Command {
-        let Some(task) = self.enter(target, conditions, seed) else {
+        let held = self.options.hold.is_empty() || seed.is_some();
+        let Some(task) = self.enter(target, conditions, seed).filter(|_| held) else {
             return self.refused(seed);
         };
         let seed = seed.map(|joints| self.seed(joints));

@@ -28,7 +28,7 @@ pub use export::{
     AxisConvention, AxisLink, AxisRow, AxisTable, AxisTableOptions, Comparison, ErrorTable, ErrorTables,
     ExportOptions, Exported, Installation, JointOffset, JointOrigin, JointOrigins, Parameter, ParameterPart,
     ParameterTable, PartKind, RemainingError, RosStyle, StyledOrigins, axis_table, corrected_chain,
-    error_tables, installation, joint_origins, middle_conditions, parameter_table,
+    error_tables, installation, installation_of, joint_origins, middle_conditions, parameter_table,
 };
 pub use exported_accuracy::Accuracy;
 pub use options::{Approach, CompensatorOptions};

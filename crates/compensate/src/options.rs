@@ -32,6 +32,8 @@ pub struct CompensatorOptions {
     /// Poses are those in the axes of this tool, where it really is, and not in the measurement frame: one hand is brought to the other. Joints that carry it stay
     /// where the seed has them, and a seed is needed.
     pub relative_to: Option<ToolId>,
+    /// Joints that stay where the seed has them, whatever their limits, by their places among the moving joints: a track, a positioner. A seed is needed.
+    pub hold: Vec<usize>,
 }
 
 impl Default for CompensatorOptions {
@@ -44,6 +46,7 @@ impl Default for CompensatorOptions {
             approach: Approach::Stated,
             tool: ToolId::FIRST,
             relative_to: None,
+            hold: Vec::new(),
         }
     }
 }

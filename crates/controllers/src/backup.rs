@@ -34,6 +34,7 @@ impl Dialect {
             // Those that every program has are no facts of this one.
             let own =
                 |read: Program| read.definitions().0.keys().any(|name| !ALWAYS.contains(&name.as_str()));
+            let own = |read: Program| !read.points().is_empty() || own(read);
             return if Program::read(text, &[], self).is_ok_and(own) { Role::Table } else { Role::Other };
         }
         // Routines of the controller's maker.
@@ -47,6 +48,19 @@ impl Dialect {
             _ => Role::Other,
         }
     }
+}
+
+/// Whether a program's text calls the program of this name, which may select frames, tools and loads: of FANUC, where the values of these are in files of
+/// their own.
+pub fn calls(dialect: Dialect, text: &[u8], name: &str) -> bool {
+    let (text, name) = (String::from_utf8_lossy(text).to_uppercase(), name.to_uppercase());
+    let word = |c: char| c.is_alphanumeric() || matches!(c, '_' | '-');
+    let called = |at: usize| {
+        let (before, behind) = (&text[..at], &text[at + name.len()..]);
+        let verb = ["CALL", "AUFRUF", "RUN"].iter().any(|verb| before.trim_end().ends_with(verb));
+        verb && !before.ends_with(word) && !behind.starts_with(word)
+    };
+    dialect == Dialect::Fanuc && text.match_indices(&name).any(|(at, _)| called(at))
 }
 
 /// Groups of files, each read with all others ([`Program::read_all`]), between which motions go to points: they are compensated together
@@ -91,6 +105,13 @@ mod tests {
         let texts: Vec<&[u8]> = texts.iter().map(String::as_bytes).collect();
         let programs = Program::read_all(&texts, Dialect::Rapid).expect("programs");
         assert_eq!(linked(&programs), [vec![0, 3], vec![1, 4], vec![5]]);
+    }
+
+    #[test]
+    fn calls_are_those_of_the_whole_name() {
+        let of = |text: &str| calls(Dialect::Fanuc, text.as_bytes(), "Init");
+        assert!(of(" 1:  CALL INIT ;\n") && of(" 2:  IF R[1]=1,CALL INIT(3) ;"));
+        assert!(!of(" 1:  CALL INIT_2 ;\n") && !of(" 1:  !INIT ;\n") && !of(" 1:  CALL A-INIT ;"));
     }
 
     #[test]

@@ -21,10 +21,10 @@ mod tokens;
 mod urscript;
 mod val3;
 
-pub use backup::{Role, linked};
+pub use backup::{Role, calls, linked};
 pub use correct::{
-    CorrectOptions, Correction, Offset, Outcome, Remaining, Taught, Touched, correct, correct_all, is_stated,
-    offsets, unused,
+    CorrectOptions, Correction, Gathered, Offset, Outcome, Remaining, Taught, Touched, correct, correct_all,
+    gathered, is_stated, offsets, unused,
 };
 pub use dialect::Dialect;
 pub use error::ControllerError;

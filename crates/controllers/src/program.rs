@@ -163,6 +163,8 @@ pub(crate) enum Definition {
     Load(f64, Vector3<f64>),
     /// A setting of the controller that is on or off.
     Switch(bool),
+    /// In the axes of a unit that moves: a positioner. Known where it is stated which one it is.
+    Carried(Reference),
     /// It has a value that cannot be used, for this reason.
     Unusable(String),
     /// Its points are not compensated, whatever else is stated.
@@ -199,10 +201,24 @@ impl Definitions {
                 None | Some(Definition::Load(..) | Definition::Switch(_)) => return Ok(None),
                 Some(Definition::Value(pose)) => return Ok(Some(*pose)),
                 Some(Definition::Unusable(words) | Definition::Excluded(words)) => return Err(words.clone()),
+                Some(Definition::Carried(_)) => {
+                    return Err(format!(
+                        "a unit that moves carries it (--work {name}=TOOL where the fit has the unit)"
+                    ));
+                }
                 Some(Definition::SameAs(other)) => name = other,
             }
         }
         Ok(None)
+    }
+
+    /// The value of a frame in the axes of the unit that carries it.
+    pub(crate) fn carried(&self, name: &str) -> Result<Option<Pose>, String> {
+        match self.0.get(self.last_name(name)) {
+            Some(Definition::Carried(Reference::Value(pose))) => Ok(Some(*pose)),
+            Some(Definition::Carried(Reference::Named(other))) => self.get(other),
+            _ => self.get(name),
+        }
     }
 
     /// The load of a reference.

@@ -12,6 +12,7 @@ mod tags;
 
 use crate::error::syntax;
 use crate::event::Visit;
+use crate::note::Note;
 use crate::number::{Form, Slot, number_at};
 use crate::program::{Branch, Definition, Definitions, Point, Reference, Value};
 use crate::{ControllerError, Dialect, Program};
@@ -24,9 +25,10 @@ const JOINTS: [&str; 6] = ["j1", "j2", "j3", "j4", "j5", "j6"];
 
 pub(crate) fn read(text: &[u8], others: &[&[u8]]) -> Result<Program, ControllerError> {
     let mut frames = BTreeMap::new();
-    let points = file(text, &mut frames)?;
+    let mut notes = Vec::new();
+    let points = file(text, &mut frames, &mut notes)?;
     for (k, other) in others.iter().enumerate() {
-        file(other, &mut frames).map_err(|error| error.in_other(k))?;
+        file(other, &mut frames, &mut Vec::new()).map_err(|error| error.in_other(k))?;
     }
     let mut definitions = Definitions::default();
     for name in ["world[0]", "flange[0]"] {
@@ -41,7 +43,7 @@ pub(crate) fn read(text: &[u8], others: &[&[u8]]) -> Result<Program, ControllerE
     }
     let visit = |(k, point): (usize, &Point)| Visit::event(vec![k], false, point.line);
     let route = vec![points.iter().enumerate().map(visit).collect()];
-    Ok(Program { dialect: Dialect::Val3, text: text.to_vec(), points, definitions, route, notes: Vec::new() })
+    Ok(Program { dialect: Dialect::Val3, text: text.to_vec(), points, definitions, route, notes })
 }
 
 /// A frame or tool, and what it stands on.
@@ -61,7 +63,7 @@ fn placed(name: &str, frames: &Frames) -> Option<Pose> {
     None
 }
 
-fn file(text: &[u8], frames: &mut Frames) -> Result<Vec<Point>, ControllerError> {
+fn file(text: &[u8], frames: &mut Frames, notes: &mut Vec<Note>) -> Result<Vec<Point>, ControllerError> {
     let mut points = Vec::new();
     let mut data: Option<(String, String)> = None;
     let mut any = false;
@@ -88,6 +90,14 @@ fn file(text: &[u8], frames: &mut Frames) -> Result<Vec<Point>, ControllerError>
                         if let Some(pose) = numbers(text, &tag, &POSE).and_then(|n| Dialect::Val3.pose(&n)) {
                             frames.insert(name, (pose, father));
                         }
+                    }
+                    // A distance between frames, not a place.
+                    "trsf" => {}
+                    _ if tag.value("j1").is_some()
+                        || (tag.value("x").is_some() && tag.value("rx").is_some()) =>
+                    {
+                        let words = format!("data of the type `{kind}` has a position and is not understood");
+                        notes.push(Note::refusing(tag.line, name, words));
                     }
                     _ => {}
                 }

@@ -128,6 +128,10 @@ typedef struct truepose_options {
    Not 0: directions of approach follow from the straight move from the seed, instead of the conditions.
    */
   int32_t approach_from_seed;
+  /*
+   Joints that stay where the seed has them: bit k is joint k of `truepose_fit_joint`, e.g. a track. A seed is then needed.
+   */
+  uint32_t hold;
 } truepose_options;
 
 /*

@@ -72,6 +72,7 @@ pub unsafe extern "C" fn truepose_options_default(options: *mut truepose_options
             iterations: usual.rounds as u32,
             starts: usual.starts as u32,
             approach_from_seed: 0,
+            hold: 0,
         };
         Ok(TRUEPOSE_OK)
     })
@@ -103,6 +104,7 @@ pub unsafe extern "C" fn truepose_arm_new(
             rounds: given.iterations as usize,
             starts: given.starts as usize,
             approach: if given.approach_from_seed == 0 { Approach::Stated } else { Approach::FromSeed },
+            hold: (0..u32::BITS as usize).filter(|k| given.hold >> k & 1 == 1).collect(),
             ..CompensatorOptions::default()
         });
         match truepose_arm::new(&fit.shared, options) {

@@ -72,6 +72,8 @@ pub struct truepose_options {
     pub starts: u32,
     /// Not 0: directions of approach follow from the straight move from the seed, instead of the conditions.
     pub approach_from_seed: i32,
+    /// Joints that stay where the seed has them: bit k is joint k of `truepose_fit_joint`, e.g. a track. A seed is then needed.
+    pub hold: u32,
 }
 
 /// What is known about a command.

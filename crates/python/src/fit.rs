@@ -33,6 +33,9 @@ pub enum Source {
     Other(String, String),
 }
 
+/// Columns, and warnings.
+type Told<'py> = PyResult<(Bound<'py, PyDict>, Vec<String>)>;
+
 /// A fitted model.
 #[pyclass(frozen, module = "truepose._core")]
 pub struct Fit {
@@ -275,7 +278,7 @@ impl Fit {
     }
 
     /// Predicts rows: columns of the file of predictions, without what it repeats of the input; and warnings.
-    fn predict<'py>(&self, py: Python<'py>, data: &Data) -> PyResult<(Bound<'py, PyDict>, Vec<String>)> {
+    fn predict<'py>(&self, py: Python<'py>, data: &Data) -> Told<'py> {
         self.usable(py)?;
         if data.info.sessions.is_empty() {
             self.one()?;
@@ -299,34 +302,31 @@ impl Fit {
         Ok((all, predicted.warnings))
     }
 
-    /// Commands for desired poses; and warnings.
-    fn compensate<'py>(&self, py: Python<'py>, poses: &Table) -> PyResult<(Bound<'py, PyDict>, Vec<String>)> {
+    /// Commands for desired poses, with these joints held; and warnings.
+    fn compensate<'py>(&self, py: Python<'py>, poses: &Table, hold: Vec<String>) -> Told<'py> {
         let fitted = (*self.usable(py)?.one()?).clone().of_robot();
         let chain = fitted.chain();
         let (mut poses, _, said) =
             poses_in_memory(poses.table.clone(), chain, &front::recorded_columns(&fitted)).map_err(of_io)?;
         let mut said = warnings(&said);
         let oriented = poses.rows.orientation.iter().any(Option::is_some);
-        let mut targets = poses.rows.target.clone();
-        targets.sort_unstable();
-        targets.dedup();
-        for target in targets {
+        for target in poses.rows.target.iter().copied().collect::<std::collections::BTreeSet<_>>() {
             said.extend(front::known(&fitted, target, oriented).map_err(input)?);
         }
-        let commands = self.checked(py.detach(|| front::command(&fitted, &mut poses).map_err(input)))?;
+        let found = py.detach(|| front::command(&fitted, &mut poses, &hold));
+        let commands = self.checked(found.map_err(input))?;
         let all = PyDict::new(py);
         let mut joints: Vec<Vec<f64>> = vec![Vec::new(); chain.movable().len()];
         for command in &commands {
-            let mut values = command.command.joints.to_vec();
+            let mut values = command.command.joints;
             chain.joints_to_controller(&mut values);
-            joints.iter_mut().zip(values).for_each(|(column, value)| column.push(value));
+            joints.iter_mut().zip(values.iter()).for_each(|(column, value)| column.push(*value));
         }
         all.set_item("q", crate::arrays::beside(py, commands.len(), &joints))?;
-        let status: Vec<&str> = commands.iter().map(|c| c.command.status.word()).collect();
-        all.set_item("status", status)?;
-        let of = |value: fn(&front::Commanded) -> f64| vector(py, commands.iter().map(value).collect());
-        all.set_item("within_95", of(|c| c.within_95))?;
-        all.set_item("position_error", of(|c| c.command.position_error))?;
+        all.set_item("status", commands.iter().map(|c| c.command.status.word()).collect::<Vec<_>>())?;
+        all.set_item("within_95", vector(py, commands.iter().map(|c| c.within_95).collect()))?;
+        let left: Vec<f64> = commands.iter().map(|c| c.command.position_error).collect();
+        all.set_item("position_error", vector(py, left))?;
         all.set_item("corrected", vector(py, commands.iter().map(|c| c.corrected).collect::<Vec<bool>>()))?;
         all.set_item("beyond", commands.iter().map(|c| c.beyond.clone()).collect::<Vec<_>>())?;
         Ok((all, said))

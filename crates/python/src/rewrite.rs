@@ -36,7 +36,7 @@ fn given(placed: Vec<Placed>) -> Vec<Given> {
 /// The texts of the program and of the further files that have points of it, their corrections as columns, the summary as JSON, notes, and
 /// programs of a folder that are not compensated.
 #[pyfunction]
-#[pyo3(signature = (fit, file, with_, language, frames, tools, taught, measured, cad, external, limit, mark, leave, dry_run, controller_base, controller_flange, start, payload, channels, ignore_external, turn_axes, pulses))]
+#[pyo3(signature = (fit, file, with_, language, frames, tools, taught, measured, cad, external, work, limit, mark, leave, dry_run, offsets, controller_base, controller_flange, start, payload, channels, ignore_external, turn_axes, pulses))]
 #[allow(clippy::too_many_arguments, clippy::type_complexity)]
 pub fn rewrite<'py>(
     py: Python<'py>,
@@ -50,10 +50,12 @@ pub fn rewrite<'py>(
     measured: Vec<String>,
     cad: Vec<String>,
     external: Vec<(String, String)>,
+    work: Vec<(String, String)>,
     limit: f64,
     mark: bool,
     leave: Vec<String>,
     dry_run: bool,
+    offsets: bool,
     controller_base: Option<[f64; 6]>,
     controller_flange: Option<[f64; 6]>,
     start: Vec<f64>,
@@ -82,10 +84,12 @@ pub fn rewrite<'py>(
         measured,
         cad,
         external,
+        work,
         limit,
         mark,
         leave,
         dry_run,
+        offsets,
         controller_base: controller_base.as_ref().map(pose),
         controller_flange: controller_flange.as_ref().map(pose),
         start,

@@ -162,6 +162,9 @@ pub struct Compensate {
     /// Other tool of the robot in whose axes the poses are, where it really is: one hand is brought to the other, whose joints stay where the joint columns have them
     #[arg(long, value_name = "TOOL", requires = "poses", conflicts_with_all = ["frame", "tcp", "cartesian", "report"])]
     pub relative_to: Option<String>,
+    /// Joint that stays where the joint columns have it, e.g. track; the others take the correction. Repeat for each; of a program see --external
+    #[arg(long, value_name = "JOINT", conflicts_with = "program")]
+    pub hold: Vec<String>,
     #[command(flatten)]
     pub named: NamedColumns,
     /// Joint values of a programme for the nominal robot (CSV), instead of poses: each is replaced by the joints that bring the real flange there

@@ -43,8 +43,8 @@ pub struct RobotProgram {
     #[arg(long, requires = "program")]
     pub dry_run: bool,
     /// Write the corrections as other values of frames (of tools, where points are in the base), where a program must not be changed: --out
-    /// is a table with one row for each, OUT.points.csv has what remains at each point; no program is written
-    #[arg(long, requires = "program", conflicts_with_all = ["dry_run", "report"])]
+    /// is a table with one row for each, OUT.points.csv has what remains at each point; no program is written. Of a folder the values that are best for the points of all its programs
+    #[arg(long, requires = "program", conflicts_with = "dry_run")]
     pub offsets: bool,
     /// The controller's base in that of the robot description: x,y,z,roll,pitch,yaw, e.g. 0mm,0mm,450mm,0,0,0 [default: the same]
     #[arg(long, value_name = "FRAME", value_parser = parse_pose, requires = "program", allow_hyphen_values = true)]
@@ -74,6 +74,9 @@ pub struct RobotProgram {
     /// External axis of the program that is a joint of the fit, e.g. E1=track: it stays where the program has it; repeat for each
     #[arg(long, value_name = "AXIS=JOINT", value_parser = parse_external, requires = "program")]
     pub external: Vec<(String, String)>,
+    /// Frame of the program on a positioner, and the tool of the fit that is there, e.g. W1=table: its value is in the axes of that tool; repeat for each
+    #[arg(long, value_name = "NAME=TOOL", value_parser = parse_work, requires = "program")]
+    pub work: Vec<(String, String)>,
     /// External axes of the program that are no joints move neither the robot nor the work: their values are ignored
     #[arg(long, requires = "program")]
     pub ignore_external: bool,
@@ -146,9 +149,17 @@ fn parse_limit(text: &str) -> Result<f64, String> {
 }
 
 fn parse_external(text: &str) -> Result<(String, String), String> {
-    match text.split_once('=').map(|(axis, joint)| (axis.trim(), joint.trim())) {
-        Some((axis, joint)) if !axis.is_empty() && !joint.is_empty() => Ok((axis.into(), joint.into())),
-        _ => Err("an external axis and a joint are needed, as in E1=track".into()),
+    parse_pair(text, "an external axis and a joint are needed, as in E1=track")
+}
+
+fn parse_work(text: &str) -> Result<(String, String), String> {
+    parse_pair(text, "a frame and a tool of the fit are needed, as in W1=table")
+}
+
+fn parse_pair(text: &str, needed: &str) -> Result<(String, String), String> {
+    match text.split_once('=').map(|(name, of)| (name.trim(), of.trim())) {
+        Some((name, of)) if !name.is_empty() && !of.is_empty() => Ok((name.into(), of.into())),
+        _ => Err(needed.into()),
     }
 }
 

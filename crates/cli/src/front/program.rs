@@ -38,6 +38,8 @@ pub struct Rewriting {
     pub cad: Vec<String>,
     /// External axes that are joints of the fit: name in the program, joint.
     pub external: Vec<(String, String)>,
+    /// Frames on a positioner: name in the program, tool of the fit.
+    pub work: Vec<(String, String)>,
     /// Largest correction of a point, m.
     pub limit: f64,
     /// Leaves points unchanged that cannot be compensated.
@@ -46,6 +48,8 @@ pub struct Rewriting {
     pub leave: Vec<String>,
     /// Leaves all points unchanged.
     pub dry_run: bool,
+    /// Makes other values of frames and tools, in the view, in place of programs.
+    pub offsets: bool,
     /// The controller's base in that of the description.
     pub controller_base: Option<Pose>,
     /// The controller's flange in the last joint's frame of the description.
@@ -110,7 +114,7 @@ pub fn rewrite(fitted: &FittedModel, file: &Path, options: &Rewriting) -> Result
         mark: options.mark,
         leave: options.leave.clone(),
         dry_run: options.dry_run,
-        offsets: false,
+        offsets: options.offsets,
         controller_base: options.controller_base,
         controller_flange: options.controller_flange,
         start: options.start.clone(),
@@ -118,6 +122,7 @@ pub fn rewrite(fitted: &FittedModel, file: &Path, options: &Rewriting) -> Result
         com: options.payload.map(|(_, com)| com),
         channel: options.channels.clone(),
         external: options.external.clone(),
+        work: options.work.clone(),
         ignore_external: options.ignore_external,
         turn_axes: options.turn_axes.clone(),
         pulses: options.pulses.clone(),

@@ -1,5 +1,6 @@
 //! `truepose compensate`: the joint commands that bring the real robot to desired poses.
 
+pub(crate) use super::expected::Sought;
 use super::expected::{CHUNK, Expected, expected, for_tools, wanted};
 use super::frames::Placed;
 use super::joint_units::{self, in_units, joint_names};
@@ -21,8 +22,7 @@ use truepose_io::{
     CommandRow, MeasurementsOptions, PoseForm, Poses, Quantity, WholeFiles, check_writable, commands_file,
     read_fit, read_measurements, read_poses,
 };
-use truepose_kinematics::nalgebra::Vector3;
-use truepose_kinematics::{Chain, Conditions, Pose, ToolId};
+use truepose_kinematics::{Chain, Conditions, Pose};
 use truepose_report::{CommandView, CommandsView, commands_report, count, millimetres};
 
 /// Poses that are solved together.
@@ -49,14 +49,15 @@ pub fn run(args: &Compensate, watch: &Watch) -> Result<(), Failure> {
     }
     let other =
         args.relative_to.as_ref().map(|tool| relative::other(tool, &fitted, &poses, file)).transpose()?;
+    let hold = held(&fitted, &args.hold, &poses)
+        .map_err(|words| Failure::Input(format!("--hold: {}: {words}", file.display())))?;
+    let sought = Sought { other, lever: placed.lever(), hold };
     let progress = Progress::steps(poses.rows.len().div_ceil(CHUNK), watch);
-    let (commands, expected) =
-        commanded(&fitted, &mut poses, (other, placed.lever()), &|| progress.begin("commands")).map_err(
-            |error| match error {
-                CompensateError::Model(error) => about(file)(error),
-                error => Failure::Input(format!("{}: {error}", args.fit.display())),
-            },
-        )?;
+    let (commands, expected) = commanded(&fitted, &mut poses, &sought, &|| progress.begin("commands"))
+        .map_err(|error| match error {
+            CompensateError::Model(error) => about(file)(error),
+            error => Failure::Input(format!("{}: {error}", args.fit.display())),
+        })?;
     drop(progress);
     let channels = poses.rows.derived_for(fitted.model()).map_err(about(file))?.schema.channels.clone();
     let rows: Vec<CommandRow> = commands
@@ -151,23 +152,39 @@ pub fn run(args: &Compensate, watch: &Watch) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Commands for desired poses, in their order, and the expected accuracy of each: of the tool, or of the point at `lever` from its origin (m, in its axes).
-/// Poses are in the axes of another tool where there is one. `begin` is called at each part of them.
+/// Joints that stay, by their names.
+///
+/// # Errors
+/// When a joint is not there, or the poses do not state where it is.
+pub(crate) fn held(fitted: &FittedModel, names: &[String], poses: &Poses) -> Result<Vec<usize>, String> {
+    let chain = fitted.chain();
+    let place = |name: &String| {
+        let found = chain.movable().iter().position(|&id| chain.joint(id).name == *name);
+        found.ok_or_else(|| format!("the robot has no joint `{name}` that moves"))
+    };
+    let all = names.iter().map(place).collect::<Result<Vec<usize>, String>>()?;
+    match poses.seeded || all.is_empty() {
+        true => Ok(all),
+        false => Err("joint columns are needed: they state where joints are that stay".into()),
+    }
+}
+
+/// Commands for desired poses, in their order, and the expected accuracy of each. `begin` is called at each part of them.
 pub(crate) fn commanded(
     fitted: &FittedModel,
     poses: &mut Poses,
-    (other, lever): (Option<ToolId>, Option<Vector3<f64>>),
+    sought: &Sought,
     begin: &(dyn Fn() + Sync),
 ) -> Result<(Vec<Command>, Vec<Expected>), CompensateError> {
-    let mut commands = commands(fitted, poses, other, begin)?;
+    let mut commands = commands(fitted, poses, sought, begin)?;
     if winds_up(fitted, poses) {
         // The way of the joints is that of the commands: corrections change it by less than the friction's distance.
         follow(poses, &commands);
-        commands = self::commands(fitted, poses, other, begin)?;
+        commands = self::commands(fitted, poses, sought, begin)?;
     }
-    let expected = match other {
+    let expected = match sought.other {
         Some(other) => relative::expected(fitted, poses, &commands, other)?,
-        None => expected(fitted, poses, &mut commands, lever)?,
+        None => expected(fitted, poses, &mut commands, sought)?,
     };
     Ok((commands, expected))
 }
@@ -286,12 +303,12 @@ fn views(chain: &Chain, poses: &Poses, commands: &[Command], expected: &[Expecte
 fn commands(
     fitted: &FittedModel,
     poses: &Poses,
-    other: Option<ToolId>,
+    sought: &Sought,
     begin: &(dyn Fn() + Sync),
 ) -> Result<Vec<Command>, CompensateError> {
     let rows: Vec<usize> = (0..poses.rows.len()).collect();
     let inputs = poses.rows.derived_for(fitted.model())?;
-    let compensators = for_tools(fitted, &inputs.schema, other)?;
+    let compensators = for_tools(fitted, &inputs.schema, sought)?;
     // Rows of one tool follow one another.
     let parts: Vec<Vec<Command>> = rows
         .chunk_by(|a, b| inputs.tool(*a) == inputs.tool(*b))

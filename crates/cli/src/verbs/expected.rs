@@ -15,6 +15,17 @@ pub(super) const CHUNK: usize = 2048;
 /// A tool centre point nearer than this to the origin of the tool is the same point, m.
 const SAME_POINT: f64 = 1e-9;
 
+/// How commands are sought.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Sought {
+    /// Poses are in the axes of this other tool.
+    pub other: Option<ToolId>,
+    /// The point whose accuracy is expected is at this place from the tool's origin, m, in its axes.
+    pub lever: Option<Vector3<f64>>,
+    /// Joints that stay where the poses have them, by their places among the moving joints.
+    pub hold: Vec<usize>,
+}
+
 /// The expected accuracy of a command.
 pub(crate) struct Expected {
     /// Distance from the desired position within which the point that was asked for lies with 95 % probability, m; infinite where the data of the
@@ -33,14 +44,14 @@ pub(super) fn expected(
     fitted: &FittedModel,
     poses: &Poses,
     commands: &mut [Command],
-    lever: Option<Vector3<f64>>,
+    sought: &Sought,
 ) -> Result<Vec<Expected>, CompensateError> {
-    let lever = lever.filter(|lever| lever.norm() > SAME_POINT);
+    let lever = sought.lever.filter(|lever| lever.norm() > SAME_POINT);
     let inputs = poses.rows.derived_for(fitted.model())?;
     let coverage = Coverage::new(fitted, &inputs.schema)?;
     let nothing = ErrorModel::new(fitted.chain().clone(), Vec::new())?;
     let ideal = FittedModel::new(nothing, Vec::new(), DMatrix::zeros(0, 0))?;
-    let nominals = for_tools(&ideal, &inputs.schema, None)?;
+    let nominals = for_tools(&ideal, &inputs.schema, &Sought { other: None, ..sought.clone() })?;
     let noise = Matrix3::identity() * fitted.noise.position_sd.powi(2);
     let parts: Vec<Vec<Expected>> = commands
         .par_chunks_mut(CHUNK)
@@ -116,12 +127,13 @@ pub(super) fn wanted<'a>(poses: &Poses, conditions: &'a Conditions, row: usize) 
 pub(super) fn for_tools<'m>(
     fitted: &'m FittedModel,
     schema: &Schema,
-    other: Option<ToolId>,
+    sought: &Sought,
 ) -> Result<Vec<Compensator<'m>>, CompensateError> {
     let tool = |k| CompensatorOptions {
         tool: ToolId(k),
         // None of its own poses is in its own axes.
-        relative_to: other.filter(|other| other.0 != k),
+        relative_to: sought.other.filter(|other| other.0 != k),
+        hold: sought.hold.clone(),
         ..CompensatorOptions::default()
     };
     (0..fitted.chain().tools().len()).map(|k| Compensator::bind(fitted, schema, tool(k))).collect()

@@ -18,6 +18,7 @@ mod dwell;
 mod example;
 mod export;
 mod exports;
+mod external;
 mod files;
 mod fleet;
 mod folder;

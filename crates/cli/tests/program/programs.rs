@@ -252,91 +252,6 @@ fn a_kinematics_file_goes_out_and_comes_back() {
     assert!(other.ended(2).log.contains("--style: only `--format ros-yaml`"));
 }
 
-/// An arm on a track, measured with two loads.
-fn on_a_track() -> Folder {
-    let folder = Folder::empty();
-    let joint = |name: &str, limits: &str, xyz: &str, rpy: &str, axis: &str| {
-        format!(
-            "[[joints]]\nname = \"{name}\"\nlimits = {limits}\norigin = {{ xyz = {xyz}, rpy = {rpy}, axis = {axis} }}\n"
-        )
-    };
-    let track = "[[joints]]\nname = \"rail\"\ntype = \"prismatic\"\nlimits = [-500, 4000]\norigin = { xyz = [0, 0, 0], axis = [0, 1, 0] }\n";
-    let arm = [
-        joint("j1", "[-170, 170]", "[0, 0, 520]", "[0, 0, 0]", "[0, 0, 1]"),
-        joint("j2", "[-80, 130]", "[160, 0, 0]", "[0, 0, 0]", "[0, 1, 0]"),
-        joint("j3", "[-170, 75]", "[0, 0, 870]", "[0, 0, 0]", "[0, 1, 0]"),
-        joint("j4", "[-300, 300]", "[0, 0, 180]", "[0, 0, 0]", "[1, 0, 0]"),
-        joint("j5", "[-120, 120]", "[940, 0, 0]", "[0, 0, 0]", "[0, 1, 0]"),
-        joint("j6", "[-350, 350]", "[130, 0, 0]", "[0, 90, 0]", "[0, 0, 1]"),
-    ]
-    .concat();
-    folder.write(
-        "robot.toml",
-        &format!(
-            "name = \"rider\"\n[units]\nlength = \"mm\"\nangle = \"deg\"\n{track}{arm}[base]\nknown = false\n[tool]\nknown = false\n"
-        ),
-    );
-    folder.write(
-        "plant.toml",
-        "robot = \"robot.toml\"\nseed = 9\n[errors.geometric]\nposition_mm = 0.4\nangle_mrad = 0.4\n[instrument]\nsd_um = 15\n\
-         [repeatability]\nsd_um = 20\n[campaign]\npostures = \"random\"\nvisits = 140\npayloads_kg = [0, 40]\ncom_mm = [0, 0, 90]\n",
-    );
-    folder.run(&["simulate", "--plant", "plant.toml", "--out", "data.csv"]).ended(0);
-    folder.run(&["identify", "--robot", "robot.toml", "--data", "data.csv", "--out", "fit.json"]).ended(0);
-    folder
-}
-
-#[test]
-fn an_external_axis_is_a_joint_that_stays() {
-    let folder = on_a_track();
-    let place =
-        |x: f64, y: f64| format!("[[{x:.3},{y:.3},850.000],[0,0,1,0],[0,0,0,0],[1300,9E9,9E9,9E9,9E9,9E9]]");
-    folder.write(
-        "job.mod",
-        &format!(
-            "MODULE M\nPERS tooldata grip:=[TRUE,[[0,0,140],[1,0,0,0]],[38,[0,0,80],[1,0,0,0],0,0,0]];\n\
-             PERS wobjdata table:=[FALSE,TRUE,\"\",[[200,0,0],[1,0,0,0]],[[0,0,0],[1,0,0,0]]];\nPROC main()\nConfL\\Off;\nConfJ\\Off;\n\
-             MoveAbsJ [[0,5,5,0,40,0],[1300,9E9,9E9,9E9,9E9,9E9]],v100,fine,grip;\n\
-             MoveJ {},v100,fine,grip\\WObj:=table;\nMoveL {},v100,fine,grip\\WObj:=table;\nENDPROC\nENDMODULE\n",
-            place(850.0, 1350.0),
-            place(850.0, 1200.0)
-        ),
-    );
-    let run = |more: &str| {
-        let words = format!("compensate --fit fit.json --program job.mod --out new.mod{more}");
-        folder.run(&words.split(' ').collect::<Vec<_>>())
-    };
-    let log = run("").ended(2).log;
-    assert!(
-        log.contains("external axis eax_a is at 1300") && log.contains("--external eax_a=JOINT"),
-        "{log}"
-    );
-    assert!(run(" --external eax_a=cart").ended(2).log.contains("the joint `cart`, which the fit has not"));
-    let run = run(" --external eax_a=rail --tool-frame UT7=0mm,0mm,9mm,0,0,0").ended(0);
-    assert!(run.out.contains("3 points: 3 corrected"), "{} {}", run.out, run.log);
-    let new = folder.read("new.mod");
-    assert_eq!(new.matches(",[1300,9E9,9E9,9E9,9E9,9E9]]").count(), 3, "{new}");
-    let table = folder.read("new.mod.corrections.csv");
-    let names: Vec<&str> = table.lines().next().unwrap().split(',').collect();
-    let column = |name: &str| names.iter().position(|other| *other == name).unwrap();
-    for line in table.lines().skip(1) {
-        let value = |name: &str| line.split(',').nth(column(name)).unwrap().parse::<f64>().unwrap();
-        assert!((value("nominal_rail[m]") - 1.3).abs() < 1e-12, "{line}");
-        assert!((value("corrected_rail[m]") - 1.3).abs() < 1e-12, "{line}");
-        assert!(value("within_95[m]") < 5e-4, "{line}");
-    }
-    // What the program states besides its points.
-    assert!(run.log.contains("frames are taken as they are (TABLE)"), "{}", run.log);
-    assert!(
-        run.log.contains(
-            "loads are those that the program states (--payload for another): GRIP of 38 kg (3 points)"
-        ),
-        "{}",
-        run.log
-    );
-    assert!(run.log.contains("note: no point of the program uses the tool `UT7`"), "{}", run.log);
-}
-
 #[test]
 fn corrections_as_offsets_of_a_frame() {
     let folder = fitted();
@@ -370,9 +285,26 @@ fn corrections_as_offsets_of_a_frame() {
         points.lines().count() == 5 && points.contains("frames.src,LIN in line 5,5,BASE_DATA[1],"),
         "{points}"
     );
-    // A folder has several programs.
-    let run = folder
-        .run(&["compensate", "--fit", "fit.json", "--program", ".", "--offsets", "--out", "../new"])
-        .ended(2);
-    assert!(run.log.contains("--offsets: one program is needed"), "{}", run.log);
+    // The same points in two programs of a folder: one value, of both.
+    std::fs::create_dir(folder.file("b")).unwrap();
+    let halves = [(&lines[..lines.len() / 2], "one"), (&lines[lines.len() / 2..], "two")];
+    for (lines, name) in halves {
+        let head = text.split("LIN").next().unwrap().replace("job()", &format!("{name}()"));
+        folder.write(&format!("b/{name}.src"), &format!("{head}{lines}END\n"));
+    }
+    let words = "compensate --fit fit.json --program b --offsets --out all.csv --report page";
+    let run = folder.run(&[&words.split(' ').collect::<Vec<_>>()[..], &frames].concat()).ended(0);
+    assert!(run.out.starts_with("frame BASE_DATA[1]: 4 points: "), "{} {}", run.out, run.log);
+    let (one, all) = (folder.read("offsets.csv"), folder.read("all.csv"));
+    let numbers = |table: &str| -> Vec<f64> {
+        table.lines().nth(1).unwrap().split(',').skip(2).map(|cell| cell.parse().unwrap()).collect()
+    };
+    assert!(numbers(&one).iter().zip(numbers(&all)).all(|(a, b)| (a - b).abs() < 1e-6), "{one} {all}");
+    let points = folder.read("all.csv.points.csv");
+    assert!(
+        points.contains("one.src,LIN in line 5,5,") && points.contains("two.src,LIN in line 6,6,"),
+        "{points}"
+    );
+    assert!(folder.read("page/index.html").contains("No program was written."));
+    assert!(!folder.file("all.csv").is_dir() && !folder.file("new").exists());
 }

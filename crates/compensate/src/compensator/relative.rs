@@ -33,7 +33,7 @@ pub(super) fn other<'m>(
     Ok(Some(RealArm::bind(fitted, schema, tool)?))
 }
 
-/// Joints that a command does not move: those that do not carry the tool, and those that carry the other hand.
+/// Joints that a command does not move: those that do not carry the tool, those that carry the other hand, and those that are held.
 pub(super) fn stays(chain: &Chain, options: &CompensatorOptions) -> [bool; MOST] {
     let mut stays = [false; MOST];
     let carries = |k: usize, tool: ToolId| {
@@ -41,9 +41,28 @@ pub(super) fn stays(chain: &Chain, options: &CompensatorOptions) -> [bool; MOST]
         own(k) || chain.followers().iter().any(|follower| follower.driver == k && own(follower.joint))
     };
     for (k, stays) in stays.iter_mut().enumerate().take(chain.movable().len()) {
-        *stays = !carries(k, options.tool) || options.relative_to.is_some_and(|other| carries(k, other));
+        *stays = !carries(k, options.tool)
+            || options.relative_to.is_some_and(|other| carries(k, other))
+            || options.hold.contains(&k);
     }
     stays
+}
+
+/// # Errors
+/// When a joint that is held is none of the robot's, or moves with others: the controller then has no value of its own for it.
+pub(super) fn can_hold(chain: &Chain, hold: &[usize]) -> Result<(), CompensateError> {
+    for &k in hold {
+        let refused = |need| Err(CompensateError::Option { option: "hold", value: k as f64, need });
+        let Some(&joint) = chain.movable().get(k) else {
+            return refused("the place of a joint among those that move");
+        };
+        let tied =
+            |coupling: &truepose_kinematics::Coupling| [coupling.joint, coupling.driver].contains(&joint);
+        if !chain.is_commanded(k) || chain.couplings().iter().any(tied) {
+            return refused("a joint that moves alone, not one that is coupled or follows");
+        }
+    }
+    Ok(())
 }
 
 impl Compensator<'_> {

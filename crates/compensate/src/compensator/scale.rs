@@ -13,7 +13,8 @@ impl Compensator<'_> {
     pub(super) fn joint(&self, k: usize, x: f64) -> f64 {
         let chain = self.fitted.chain();
         let value = x * self.scale[k];
-        chain.joint(chain.movable()[k]).limits.map_or(value, |(lower, upper)| value.clamp(lower, upper))
+        let limits = chain.joint(chain.movable()[k]).limits.filter(|_| !self.options.hold.contains(&k));
+        limits.map_or(value, |(lower, upper)| value.clamp(lower, upper))
     }
 
     /// Gives joints that follow others their place in units of the search.
@@ -24,9 +25,9 @@ impl Compensator<'_> {
         }
     }
 
-    /// How many joints the controller moves.
+    /// How many joints the controller may move.
     pub(super) fn commanded(&self) -> usize {
-        self.nominal.joints() - self.fitted.chain().followers().len()
+        self.nominal.joints() - self.fitted.chain().followers().len() - self.options.hold.len()
     }
 
     /// A seed in units of the search, whole turns off where that brings it within the limits.

@@ -3,7 +3,7 @@
 use super::geometry::constant_errors;
 use crate::CompensateError;
 use truepose_errormodel::{FittedModel, error_matrix};
-use truepose_kinematics::{FrameId, Pose};
+use truepose_kinematics::{FrameId, Pose, ToolId};
 
 /// Base and tool with their constant errors.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -19,11 +19,19 @@ pub struct Installation {
 /// # Errors
 /// When the model does not fit its robot.
 pub fn installation(fitted: &FittedModel) -> Result<Installation, CompensateError> {
+    installation_of(fitted, ToolId::FIRST)
+}
+
+/// The same of one of several tools.
+///
+/// # Errors
+/// When the model does not fit its robot.
+pub fn installation_of(fitted: &FittedModel, tool: ToolId) -> Result<Installation, CompensateError> {
     let chain = fitted.chain();
     let constants = constant_errors(fitted)?;
     let error = |frame: FrameId| error_matrix(&constants.frame(frame));
     Ok(Installation {
         base: chain.base().pose * error(FrameId::BASE),
-        tool: chain.tool().pose * error(chain.tool_frame()),
+        tool: chain.tools()[tool.0].placed.pose * error(chain.frame_of_tool(tool)),
     })
 }

@@ -26,7 +26,7 @@ pub use axes_csv::AxisConvention;
 pub use comparison::Comparison;
 pub use error_tables::{ErrorTable, ErrorTables};
 pub use geometry::corrected_chain;
-pub use installation::{Installation, installation};
+pub use installation::{Installation, installation, installation_of};
 pub use options::{ExportOptions, middle_conditions};
 pub use origins::{JointOrigin, JointOrigins, joint_origins};
 pub use parameters::{JointOffset, Parameter, ParameterPart, ParameterTable, PartKind, parameter_table};

@@ -7,6 +7,7 @@ mod allocation;
 mod export;
 mod fits;
 mod hands;
+mod held;
 mod lists;
 mod parameters;
 mod round_trip;

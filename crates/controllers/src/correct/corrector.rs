@@ -2,56 +2,64 @@
 
 use super::before::{Before, Open, Travel};
 use super::configuration::{degrees, turns_of};
-use super::correction::{Correction, Outcome};
-use super::external::{Arms, ENOUGH, External, STEPS};
+use super::correction::Correction;
+use super::external::{Arms, External};
 use super::frames::Frames;
 use super::inverse::{Inverse, NOT_KNOWN};
 use super::options::CorrectOptions;
-use super::outside::outside;
 use super::placed::{Placed, Stays};
 use super::signals::signals;
-use super::singular::singular;
 use super::taught::Learned;
-use crate::program::{Branch, Carried, Point, Program, Replacement, Value};
+use super::work::Work;
+use crate::program::{Branch, Point, Program, Replacement, Value};
 use crate::{ControllerError, Dialect};
-use truepose_compensate::{
-    Compensator, CompensatorOptions, Installation, Status, Target, correction_helps, installation, radius_95,
-};
-use truepose_errormodel::{Channel, Coverage, FittedModel};
+use truepose_compensate::{Compensator, CompensatorOptions, Installation, installation_of};
+use truepose_errormodel::{Channel, Coverage, FittedModel, Predictor};
 use truepose_kinematics::nalgebra::Matrix3;
-use truepose_kinematics::{Chain, Conditions, JointKind, Load, Payload, Pose, PostureBuffer, rotation_log};
+use truepose_kinematics::{Chain, Conditions, JointKind, Pose, ToolId};
+
+/// What places the robot, its tools and its work.
+#[derive(Debug)]
+pub(super) struct Placing {
+    pub(super) external: External,
+    pub(super) arms: Arms,
+    pub(super) learned: Learned,
+    pub(super) work: Work,
+}
 
 /// Corrects the points of one program.
 pub(super) struct Corrector<'m> {
-    dialect: Dialect,
-    fitted: &'m FittedModel,
-    chain: &'m Chain,
-    options: &'m CorrectOptions,
-    installation: Installation,
-    noise: Matrix3<f64>,
-    frames: Frames<'m>,
-    learned: &'m Learned,
-    external: &'m External,
-    arms: &'m Arms,
+    pub(super) dialect: Dialect,
+    pub(super) fitted: &'m FittedModel,
+    pub(super) chain: &'m Chain,
+    pub(super) options: &'m CorrectOptions,
+    pub(super) installation: Installation,
+    pub(super) noise: Matrix3<f64>,
+    pub(super) frames: Frames<'m>,
+    pub(super) learned: &'m Learned,
+    pub(super) external: &'m External,
+    pub(super) arms: &'m Arms,
+    pub(super) work: &'m Work,
     /// Of each arm that was needed.
-    inverses: Vec<Option<Inverse<'m>>>,
+    pub(super) inverses: Vec<Option<Inverse<'m>>>,
     /// The arm of the point.
-    at: usize,
-    real: Compensator<'m>,
-    coverage: Coverage<'m>,
-    conditions: Conditions,
-    channels: Vec<Channel>,
+    pub(super) at: usize,
+    pub(super) real: Compensator<'m>,
+    pub(super) coverage: Coverage<'m>,
+    /// For what a desired position leans on.
+    pub(super) predictor: Predictor<'m>,
+    pub(super) conditions: Conditions,
+    pub(super) channels: Vec<Channel>,
 }
 
 impl<'m> Corrector<'m> {
     pub(super) fn new(
         program: &'m Program,
         fitted: &'m FittedModel,
-        external: &'m External,
-        arms: &'m Arms,
-        learned: &'m Learned,
+        placing: &'m Placing,
         options: &'m CorrectOptions,
     ) -> Result<Self, ControllerError> {
+        let Placing { external, arms, learned, work } = placing;
         let chain = fitted.chain();
         if options.turn_axes.is_some_and(|axes| axes.iter().any(|axis| !(1..=6).contains(axis))) {
             return Err(ControllerError::Option("the axes of turn numbers are 1 to 6".into()));
@@ -59,21 +67,29 @@ impl<'m> Corrector<'m> {
         let (schema, values) = signals(fitted, options)?;
         let mut conditions = Conditions::at(chain, &vec![0.0; chain.movable().len()]).with_load(options.load);
         conditions.channels = values;
+        conditions.tool = external.hand;
+        let search = CompensatorOptions {
+            tool: external.hand,
+            hold: external.places(),
+            ..CompensatorOptions::default()
+        };
         Ok(Corrector {
             dialect: program.dialect,
             fitted,
             chain,
             options,
-            installation: installation(fitted)?,
+            installation: installation_of(fitted, external.hand)?,
             noise: Matrix3::identity() * fitted.noise.position_sd.powi(2),
             frames: Frames::new(program, options)?,
             learned,
             external,
             arms,
+            work,
             inverses: arms.all().iter().map(|_| None).collect(),
             at: 0,
-            real: Compensator::bind(fitted, &schema, CompensatorOptions::default())?,
+            real: Compensator::bind(fitted, &schema, search)?,
             coverage: Coverage::new(fitted, &schema)?,
+            predictor: fitted.bind(&schema)?,
             conditions,
             channels: schema.channels,
         })
@@ -111,8 +127,7 @@ impl<'m> Corrector<'m> {
         };
         let mut correction = Correction::refused(String::new());
         correction.nominal = Some(self.controller(&joints));
-        if let Err(Stays { outcome, reason }) = self.judged(point, &joints, placed.as_ref(), &mut correction)
-        {
+        if let Err(Stays { outcome, reason }) = self.judged(point, &joints, placed, &mut correction) {
             correction.outcome = outcome;
             correction.reason = reason;
             correction.replacement = None;
@@ -120,7 +135,7 @@ impl<'m> Corrector<'m> {
         (correction, Ok(joints))
     }
 
-    fn controller(&self, joints: &[f64]) -> Vec<f64> {
+    pub(super) fn controller(&self, joints: &[f64]) -> Vec<f64> {
         let mut values = joints.to_vec();
         self.chain.joints_to_controller(&mut values);
         values
@@ -151,18 +166,24 @@ impl<'m> Corrector<'m> {
                     .into());
                 }
                 let names = (self.frames.name(frame), self.frames.name(tool));
-                let (frame, tool) = (self.frames.frame(frame)?, self.frames.tool(tool)?);
+                let on = self.work.of(names.0);
+                let frame =
+                    if on.is_some() { self.frames.carried(frame)? } else { self.frames.frame(frame)? };
+                let tool = self.frames.tool(tool)?;
                 let real = (self.learned.frame(names.0, frame), self.learned.tool(names.1, tool));
                 let (base, flange) = (self.options.controller_base, self.options.controller_flange);
+                let base = on.map_or(base, |on| self.nominal(on, &values));
                 let mut placed = Placed {
                     pose: *pose,
                     before: base * frame,
                     behind: flange * tool,
                     real: [base * real.0, flange * real.1],
+                    on: on.map(|on| (on, frame)),
                     branch: branch.clone(),
                     stated: false,
                 };
-                let flange = placed.flange();
+                // The arm of the search stands where its external axes are at zero.
+                let flange = self.external.shift(self.chain, &values).inverse() * placed.flange();
                 let before = before.of(|joints| self.external.of_robot(joints));
                 let inverse = self.inverse()?;
                 let joints = inverse.joints(&flange, branch, travel, &before);
@@ -178,7 +199,7 @@ impl<'m> Corrector<'m> {
 
     /// The arm with its external axes at these values is the one of the point.
     fn take_arm(&mut self, values: &[f64]) -> Result<(), String> {
-        let place = self.arms.place(values);
+        let place = self.arms.place(self.external, values);
         self.at = place.ok_or("the robot is no single arm, of which external axes could be held")?;
         if self.inverses[self.at].is_none() {
             let (ideal, unlimited) = &self.arms.all()[self.at];
@@ -188,7 +209,7 @@ impl<'m> Corrector<'m> {
         Ok(())
     }
 
-    fn inverse(&mut self) -> Result<&mut Inverse<'m>, String> {
+    pub(super) fn inverse(&mut self) -> Result<&mut Inverse<'m>, String> {
         self.inverses[self.at].as_mut().ok_or_else(|| "the arm is not known".into())
     }
 
@@ -223,137 +244,19 @@ impl<'m> Corrector<'m> {
         Ok(joints)
     }
 
-    fn flange(&self, joints: &[f64]) -> Pose {
-        self.chain.base().pose.inverse() * self.chain.forward(joints) * self.chain.tool().pose.inverse()
+    pub(super) fn flange(&self, joints: &[f64]) -> Pose {
+        let (chain, hand) = (self.chain, self.external.hand);
+        let tool = chain.tools()[hand.0].placed.pose;
+        chain.base().pose.inverse() * chain.forward_to(hand, joints) * tool.inverse()
     }
 
-    /// Fills the correction in.
-    fn judged(
-        &mut self,
-        point: &Point,
-        joints: &[f64],
-        placed: Option<&Placed>,
-        correction: &mut Correction,
-    ) -> Result<(), Stays> {
-        let flange = match placed {
-            Some(placed) => placed.flange(),
-            None => self.flange(joints),
-        };
-        let meant = placed.map_or(flange, Placed::meant);
-        let desired = self.installation.base * meant * self.installation.tool;
-        correction.desired = Some(desired.translation.into());
-        self.conditions.joints = joints.to_vec();
-        self.conditions.load = self.load(&point.carried);
-        let here = self.coverage.judge(&self.conditions, None);
-        outside(self.fitted, &self.channels, &self.conditions, &here.beyond)?;
-        let error = here.pose.translation - desired.translation;
-        if !correction_helps(&error, &here.covariance) {
-            correction.outcome = Outcome::NotSignificant;
-            correction.reason = "the correction is smaller than its uncertainty".into();
-            let reach = radius_95(&(here.covariance + self.noise));
-            correction.within_95 = Some(reach + error.norm());
-            return Ok(());
-        }
-        // At a singularity of the wrist a small correction turns joints far.
-        let robot = self.external.of_robot(joints);
-        let arm: &'m Chain = self.arms.all()[self.at].0.chain();
-        let mut buffer = PostureBuffer::new(arm);
-        let outcome = if self.inverse()?.stretched(&robot) { Outcome::Singular } else { Outcome::Refused };
-        let singularity = |reason| Stays { outcome, reason };
-        // Where a joint has no effect of its own, no search finds anything.
-        singular(arm, &mut buffer, &robot, &robot).map_err(singularity)?;
-        let found = match self.external.any() {
-            true => self.searched(joints, &desired)?,
-            false => self.commanded(joints, &desired)?,
-        };
-        let command = self.external.of_robot(&found);
-        singular(arm, &mut buffer, &robot, &command).map_err(singularity)?;
-        self.conditions.joints.clone_from(&found);
-        let there = self.coverage.judge(&self.conditions, None);
-        outside(self.fitted, &self.channels, &self.conditions, &there.beyond)?;
-        correction.within_95 = Some(radius_95(&(there.covariance + self.noise)));
-        let branch = placed.map_or(&Branch::Continuous, |placed| &placed.branch);
-        if !self.inverse()?.same(&robot, &command, branch) {
-            let words = "the correction changes the arm's configuration: the point is at a singularity";
-            return Err(singularity(words.into()));
-        }
-        let new = self.flange(&found);
-        let moved = match placed {
-            // Of the tool centre point, in the axes of the base.
-            Some(placed) => {
-                let before = flange * placed.behind;
-                let after = new * placed.behind;
-                (after.translation - before.translation, before.rotation.transpose() * after.rotation)
-            }
-            None => {
-                let (before, after) = (flange * self.installation.tool, new * self.installation.tool);
-                (after.translation - before.translation, before.rotation.transpose() * after.rotation)
-            }
-        };
-        correction.displacement = Some(moved.0.into());
-        correction.rotation = Some(rotation_log(&moved.1).norm());
-        correction.corrected = Some(self.controller(&found));
-        if moved.0.norm() > self.options.limit {
-            return Err(format!(
-                "the correction of {:.3} mm is above the limit of {:.3} mm",
-                1e3 * moved.0.norm(),
-                1e3 * self.options.limit
-            )
-            .into());
-        }
-        correction.replacement = Some(self.replacement(point, &found, &new, placed)?);
-        correction.outcome = Outcome::Corrected;
-        Ok(())
+    /// A nominal tool that the external axes alone carry, in the base of the description.
+    fn nominal(&self, tool: ToolId, values: &[f64]) -> Pose {
+        let joints = self.external.whole(&vec![0.0; self.external.robot.len()], values);
+        self.chain.base().pose.inverse() * self.chain.forward_to(tool, &joints)
     }
 
-    /// What the robot carries at a point.
-    fn load(&self, carried: &Carried) -> Load {
-        match carried {
-            Carried::Mass { mass, com, .. } if self.options.program_loads => {
-                let in_tool = self.installation.tool.inverse() * self.options.controller_flange;
-                Load::Payload(Payload { mass: *mass, com: in_tool.apply(com) })
-            }
-            _ => self.options.load,
-        }
-    }
-
-    /// Joints that bring the real robot there.
-    fn commanded(&mut self, joints: &[f64], desired: &Pose) -> Result<Vec<f64>, String> {
-        let mut target = Target::at(desired.translation);
-        target.orientation = (joints.len() >= 6).then_some(desired.rotation);
-        let command = self.real.command(&target, &self.conditions, Some(joints));
-        match command.status {
-            Status::Ok => Ok(command.joints.to_vec()),
-            Status::Limit => Err("only joint values beyond their limits would reach it".into()),
-            Status::Unreachable => Err("the real robot does not reach it".into()),
-            Status::NotConverged => Err("no joint values were found that reach it".into()),
-        }
-    }
-
-    /// The same with the external axes held.
-    fn searched(&mut self, joints: &[f64], desired: &Pose) -> Result<Vec<f64>, String> {
-        let mut at = joints.to_vec();
-        let (base, tool) = (self.installation.base.inverse(), self.installation.tool.inverse());
-        for _ in 0..STEPS {
-            self.conditions.joints.clone_from(&at);
-            let real = self.coverage.judge(&self.conditions, None).pose;
-            let step = *desired * real.inverse();
-            let nominal = self.installation.base * self.flange(&at) * self.installation.tool;
-            let flange = base * step * nominal * tool;
-            let robot = self.external.of_robot(&at);
-            let Some(robot) = self.inverse()?.near(&flange, &robot) else { break };
-            let next = self.external.whole(&robot, &self.external.others(&at));
-            let ends = (desired.translation - real.translation).norm() < ENOUGH
-                && rotation_log(&step.rotation).norm() < ENOUGH;
-            at = next;
-            if ends {
-                return Ok(at);
-            }
-        }
-        Err("no joint values were found that reach it".into())
-    }
-
-    fn replacement(
+    pub(super) fn replacement(
         &self,
         point: &Point,
         joints: &[f64],

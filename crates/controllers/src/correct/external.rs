@@ -1,15 +1,5 @@
-//! External axes of a program that are joints of the robot: they stay at the values that the program has.
-//!
-//! ```text
-//! q_0 = nominal joints,   N_{k+1} = X_d · f_real(q_k)⁻¹ · N(q_k),   q_{k+1} = N⁻¹(N_{k+1})   with the external joints held
-//! ```
-//!
-//! | symbol | here | unit | frame |
-//! | --- | --- | --- | --- |
-//! | X_d | desired tool of the measurements | m | measurement |
-//! | N | nominal pose of that tool | m | measurement |
-//!
-//! Each step is smaller than the one before by the size of the errors' gradient, about 1e-3.
+//! External axes of a program that are joints of the robot: they stay at the values that the program has. What they leave is an arm: that of the tool
+//! that the other joints carry, where the robot branches.
 
 use super::options::CorrectOptions;
 use super::without_errors;
@@ -18,13 +8,7 @@ use crate::program::{Point, Program};
 use std::collections::BTreeMap;
 use truepose_errormodel::FittedModel;
 use truepose_kinematics::nalgebra::Vector3;
-use truepose_kinematics::{Chain, JointKind, Placement, Pose, rotation_vector};
-
-/// Largest number of steps.
-pub(super) const STEPS: usize = 12;
-
-/// A step below this ends the search, m and rad.
-pub(super) const ENOUGH: f64 = 1e-9;
+use truepose_kinematics::{Chain, FrameId, Joint, JointKind, Placement, Pose, ToolId, rotation_vector};
 
 /// The joints of the robot that are external axes of the program.
 #[derive(Debug, Clone)]
@@ -33,6 +17,10 @@ pub(super) struct External {
     axes: Vec<(String, usize)>,
     /// Places of the others, in the order of the program.
     pub(super) robot: Vec<usize>,
+    /// The tool that all of these carry.
+    pub(super) hand: ToolId,
+    /// Whether no external axis stands behind a joint of the arm: all places of a track or a gantry leave one arm, elsewhere.
+    front: bool,
 }
 
 /// Values of the external axes, variables.
@@ -65,14 +53,18 @@ impl External {
             }
             axes.push((axis.clone(), place));
         }
-        let robot =
+        let robot: Vec<usize> =
             (0..chain.movable().len()).filter(|k| !axes.iter().any(|(_, place)| place == k)).collect();
-        Ok(External { axes, robot })
+        let carried = |tool: &ToolId| robot.iter().all(|&k| carries(chain, k, *tool));
+        let hand = (0..chain.tools().len()).map(ToolId).find(carried).unwrap_or(ToolId::FIRST);
+        let first = robot.first().copied().unwrap_or(0);
+        let front = axes.iter().all(|(_, place)| *place < first || !carries(chain, *place, hand));
+        Ok(External { axes, robot, hand, front })
     }
 
-    /// Whether there are any.
-    pub(super) fn any(&self) -> bool {
-        !self.axes.is_empty()
+    /// Their places among the moving joints.
+    pub(super) fn places(&self) -> Vec<usize> {
+        self.axes.iter().map(|(_, place)| *place).collect()
     }
 
     /// The values that a point has.
@@ -108,14 +100,20 @@ impl External {
         self.axes.iter().map(one).collect()
     }
 
+    /// How far the arm stands from where it is with its external axes at zero, in the base of the description.
+    pub(super) fn shift(&self, chain: &Chain, values: &[f64]) -> Pose {
+        if !self.front || self.axes.is_empty() {
+            return Pose::IDENTITY;
+        }
+        let arm = vec![0.0; self.robot.len()];
+        let at = |values: &[f64]| chain.forward_to(self.hand, &self.whole(&arm, values));
+        let base = chain.base().pose.inverse();
+        base * at(values) * at(&vec![0.0; values.len()]).inverse() * base.inverse()
+    }
+
     /// The robot's joints of all.
     pub(super) fn of_robot(&self, joints: &[f64]) -> Vec<f64> {
         self.robot.iter().filter_map(|&k| joints.get(k)).copied().collect()
-    }
-
-    /// The external axes' joints of all.
-    pub(super) fn others(&self, joints: &[f64]) -> Values {
-        self.axes.iter().filter_map(|(_, k)| joints.get(*k)).copied().collect()
     }
 
     /// All joints of the robot's and the external axes' values.
@@ -149,21 +147,30 @@ impl External {
             joint.kind = JointKind::Fixed;
             joint.limits = None;
         }
-        rebuilt(chain, joints)
+        rebuilt(chain, self.hand, joints)
     }
 }
 
-/// A single arm of other joints, with base, tool and couplings of this one.
-fn rebuilt(chain: &Chain, joints: Vec<truepose_kinematics::Joint>) -> Option<Chain> {
-    if chain.tools().len() > 1 || !chain.mimics().is_empty() {
+/// Whether a moving joint carries a tool.
+pub(super) fn carries(chain: &Chain, k: usize, tool: ToolId) -> bool {
+    chain.carries(FrameId(chain.movable()[k].0), tool)
+}
+
+/// The arm of one tool with other joints, with base, tool and couplings of this one.
+fn rebuilt(chain: &Chain, hand: ToolId, joints: Vec<Joint>) -> Option<Chain> {
+    let count = joints.len();
+    let own = joints.into_iter().enumerate().filter(|(k, _)| chain.carries(FrameId(k + 1), hand));
+    let own: Vec<Joint> = own.map(|(_, joint)| joint).collect();
+    // Couplings are by the numbers of the joints.
+    if !chain.mimics().is_empty() || (own.len() < count && !chain.couplings().is_empty()) {
         return None;
     }
-    let new = Chain::new(chain.name(), joints).ok()?;
-    let new = new.with_base(*chain.base()).ok()?.with_tool(*chain.tool()).ok()?;
+    let new = Chain::new(chain.name(), own).ok()?;
+    let new = new.with_base(*chain.base()).ok()?.with_tool(chain.tools()[hand.0].placed).ok()?;
     new.with_couplings(chain.couplings().to_vec()).ok()
 }
 
-/// Arms without errors, with and without limits, for each place of the external axes.
+/// Arms without errors, with and without limits, for each place of external axes that stand behind joints of the arm.
 #[derive(Debug)]
 pub(super) struct Arms {
     all: Vec<(FittedModel, Option<FittedModel>)>,
@@ -179,8 +186,14 @@ impl Arms {
         options: &CorrectOptions,
     ) -> Result<Arms, ControllerError> {
         let mut arms = Arms { all: Vec::new(), places: BTreeMap::new() };
-        if !external.any() {
+        if external.axes.is_empty() {
             arms.add(&[], chain.clone())?;
+            return Ok(arms);
+        }
+        if external.front {
+            if let Some(held) = external.held(chain, &vec![0.0; external.axes.len()]) {
+                arms.add(&[], held)?;
+            }
             return Ok(arms);
         }
         for (program, point) in programs.iter().flat_map(|p| p.points().iter().map(move |point| (p, point))) {
@@ -199,14 +212,15 @@ impl Arms {
     fn add(&mut self, values: &[f64], chain: Chain) -> Result<(), ControllerError> {
         let mut free = chain.joints().to_vec();
         free.iter_mut().for_each(|joint| joint.limits = None);
-        let free = rebuilt(&chain, free).map(without_errors).transpose()?;
+        let free = rebuilt(&chain, ToolId::FIRST, free).map(without_errors).transpose()?;
         self.places.insert(key(values), self.all.len());
         self.all.push((without_errors(chain)?, free));
         Ok(())
     }
 
     /// The place of the arm with the external axes there.
-    pub(super) fn place(&self, values: &[f64]) -> Option<usize> {
+    pub(super) fn place(&self, external: &External, values: &[f64]) -> Option<usize> {
+        let values = if external.front { &[] } else { values };
         self.places.get(&key(values)).copied()
     }
 

@@ -36,9 +36,11 @@ pub fn unused(programs: &[Program], options: &CorrectOptions) -> Vec<(String, St
         }
     }
     let given = options.taught.iter().map(|taught| &taught.name).chain(&options.stated);
+    let given = given.chain(options.work.iter().map(|(name, _)| name));
     for name in given.filter(|name| !all.iter().flatten().flatten().any(|other| same(other, name))) {
-        let words =
-            format!("no point of the program uses the frame or tool `{name}` (--taught, --measured, --cad)");
+        let words = format!(
+            "no point of the program uses the frame or tool `{name}` (--taught, --measured, --cad, --work)"
+        );
         found.push((name.clone(), words));
     }
     found
@@ -85,8 +87,29 @@ impl<'p> Frames<'p> {
         Ok(if given { pose } else { self.root.inverse() * pose })
     }
 
+    /// A frame in the axes of the unit that carries it.
+    pub(super) fn carried(&self, reference: &Reference) -> Result<Pose, String> {
+        let Some(name) = self.name(reference) else { return self.frame(reference) };
+        if let Some((_, pose)) = self.options.frames.iter().find(|(other, _)| same(other, name)) {
+            return Ok(*pose);
+        }
+        let definitions = self.program.definitions();
+        match definitions.excluded(name).map_or_else(|| definitions.carried(name), |words| Err(words.into()))
+        {
+            Ok(Some(pose)) => Ok(pose),
+            Ok(None) => {
+                Err(format!("its frame {name} has no value in the files given (--frame \"{name}=…\")"))
+            }
+            Err(words) => Err(format!("its frame {name} is not known: {words}")),
+        }
+    }
+
     /// The value of a frame in its own terms: the controller's world, or of an option its base.
     pub(super) fn stated(&self, reference: &Reference) -> Result<Pose, String> {
+        let on = |name: &str| self.options.work.iter().any(|(other, _)| same(other, name));
+        if self.name(reference).is_some_and(on) {
+            return self.carried(reference);
+        }
         self.value(reference, 0, &self.options.frames, self.options.frame).map(|(pose, _)| pose)
     }
 

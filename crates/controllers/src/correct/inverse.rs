@@ -86,12 +86,6 @@ impl<'m> Inverse<'m> {
         }
     }
 
-    /// The joints nearest to some at which the nominal flange is here.
-    pub(super) fn near(&mut self, flange: &Pose, joints: &[f64]) -> Option<Vec<f64>> {
-        let tool = self.chain.base().pose * *flange * self.chain.tool().pose;
-        self.from(&tool, joints)
-    }
-
     /// Whether configuration data of a point describes these joints.
     pub(super) fn states(&mut self, joints: &[f64], branch: &Branch) -> bool {
         let Some(mut arm) = self.arm.take() else { return false };

@@ -13,6 +13,7 @@
 //! | B E_0, tool E_tool | [`Installation`] | m | measurement; last joint |
 //! | A | the nominal joints alone | m | description's base |
 //!
+//! A frame on a positioner is in the axes of another tool: `before` is then its nominal place, and the desired tool that of its real one, see `work`.
 //! A taught frame or tool has the robot's errors in it: the desired tool is then that of the real F and X, see `taught`.
 //! A point near a singularity of the wrist stays as it is, one near another singularity is refused, see `singular`.
 
@@ -23,6 +24,8 @@ mod corrector;
 mod external;
 mod frames;
 mod inverse;
+mod judged;
+mod lean;
 mod near;
 mod offsets;
 mod options;
@@ -32,22 +35,25 @@ mod signals;
 mod singular;
 mod solutions;
 mod taught;
+mod three_points;
+mod work;
 
 pub use correction::{Correction, Outcome};
 pub use frames::{is_stated, unused};
-pub use offsets::{Offset, Remaining, offsets};
+pub use offsets::{Gathered, Offset, Remaining, gathered, offsets};
 pub use options::{CorrectOptions, Taught, Touched};
 
 use crate::ControllerError;
 use crate::program::{Branch, Point, Program, Value};
 use crate::route::route;
 use before::{Before, Travel};
-use corrector::Corrector;
+use corrector::{Corrector, Placing};
 use external::{Arms, External};
-use taught::Learned;
+use taught::{Learned, Toucher};
 use truepose_errormodel::{ErrorModel, FittedModel};
 use truepose_kinematics::Chain;
 use truepose_kinematics::nalgebra::DMatrix;
+use work::Work;
 
 /// Corrects all points of a program; one correction for each, in their order.
 ///
@@ -81,8 +87,10 @@ pub fn correct_all(
     }
     let external = External::new(chain, options)?;
     let arms = Arms::of(chain, &external, programs, options)?;
-    let learned = Learned::new(programs, fitted, options)?;
-    let new = |program| Corrector::new(program, fitted, &external, &arms, &learned, options);
+    let learned = Learned::new(programs, &Toucher { fitted, options, hand: external.hand })?;
+    let work = Work::new(chain, &external, options)?;
+    let placing = Placing { external, arms, learned, work };
+    let new = |program| Corrector::new(program, fitted, &placing, options);
     let mut correctors = programs.iter().map(new).collect::<Result<Vec<_>, _>>()?;
     let Some(first) = correctors.first() else { return Ok(Vec::new()) };
     let start = first.start()?.map(Before::at).unwrap_or_default();

@@ -17,8 +17,8 @@
 use super::correction::{Correction, Outcome};
 use super::frames::Frames;
 use super::options::CorrectOptions;
-use crate::ControllerError;
 use crate::program::{Point, Program, Reference, Value};
+use crate::{ControllerError, Dialect};
 use truepose_kinematics::nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use truepose_kinematics::{Pose, rotation_log, rotation_vector};
 
@@ -60,17 +60,39 @@ impl Offset {
     }
 
     /// Numbers of the new value in the form of the program's language.
-    pub fn numbers(&self, program: &Program) -> Vec<f64> {
+    pub fn numbers(&self, dialect: Dialect) -> Vec<f64> {
         let none = Point::new(self.name.clone(), 0);
-        none.numbers_of(&self.value, program.dialect(), &[0.0; 4])
+        none.numbers_of(&self.value, dialect, &[0.0; 4])
     }
 }
 
 /// A pose of the program and its correction.
+#[derive(Debug)]
 struct Pair {
     point: (usize, usize),
     before: Pose,
     after: Pose,
+}
+
+/// The points of some programs by what would correct them.
+#[derive(Debug, Default)]
+pub struct Gathered {
+    groups: Vec<Group>,
+    /// Points in joint values.
+    joints: usize,
+    /// Points without a frame and a tool that have names.
+    base: usize,
+}
+
+/// The points of one frame or tool.
+#[derive(Debug)]
+struct Group {
+    name: String,
+    tool: bool,
+    stated: Pose,
+    pairs: Vec<Pair>,
+    /// Tools of the points of a frame.
+    with: Vec<String>,
 }
 
 /// The corrections of [`correct_all`](super::correct_all) as other values of frames and tools; those that do not improve, in words.
@@ -82,14 +104,25 @@ pub fn offsets(
     corrections: &[Vec<Correction>],
     options: &CorrectOptions,
 ) -> Result<(Vec<Offset>, Vec<String>), ControllerError> {
-    let mut found: Vec<(String, bool, Pose, Vec<Pair>)> = Vec::new();
-    let (mut joints, mut base) = (0, 0);
+    Ok(gathered(programs, corrections, options)?.offsets())
+}
+
+/// The points of programs by their frames and tools.
+///
+/// # Errors
+/// When the controller's base in its world has no usable value.
+pub fn gathered(
+    programs: &[Program],
+    corrections: &[Vec<Correction>],
+    options: &CorrectOptions,
+) -> Result<Gathered, ControllerError> {
+    let mut all = Gathered::default();
     for (file, (program, corrections)) in programs.iter().zip(corrections).enumerate() {
         let frames = Frames::new(program, options)?;
         for (k, (point, correction)) in program.points().iter().zip(corrections).enumerate() {
             let moves = matches!(correction.outcome, Outcome::Corrected | Outcome::NotSignificant);
             let Value::Pose { pose, frame, tool, .. } = &point.value else {
-                joints += usize::from(correction.outcome == Outcome::Corrected);
+                all.joints += usize::from(correction.outcome == Outcome::Corrected);
                 continue;
             };
             if !moves {
@@ -98,7 +131,7 @@ pub fn offsets(
             let of_frame = frames.name(frame).filter(|_| !fixed(frame)).zip(frames.stated(frame).ok());
             let of_tool = || frames.name(tool).zip(frames.tool(tool).ok());
             let Some((name, stated)) = of_frame.or_else(of_tool) else {
-                base += 1;
+                all.base += 1;
                 continue;
             };
             let after = correction.replacement.as_ref().and_then(|new| {
@@ -106,49 +139,110 @@ pub fn offsets(
                 let rest = point.written.iter().skip(new.numbers.len());
                 program.dialect().pose(&new.numbers.iter().chain(rest).copied().collect::<Vec<_>>())
             });
-            let after = after.unwrap_or(*pose);
-            let pair = Pair { point: (file, k), before: *pose, after };
+            let pair = Pair { point: (file, k), before: *pose, after: after.unwrap_or(*pose) };
             let is_tool = of_frame.is_none();
-            match found.iter_mut().find(|(other, tool, ..)| other == name && *tool == is_tool) {
-                Some((.., pairs)) => pairs.push(pair),
-                None => found.push((name.to_owned(), is_tool, stated, vec![pair])),
+            let with = frames.name(tool).filter(|_| !is_tool).map(str::to_owned);
+            let known = all.groups.iter().position(|group| group.name == name && group.tool == is_tool);
+            let at = known.unwrap_or(all.groups.len());
+            if known.is_none() {
+                let (name, pairs, with) = (name.to_owned(), Vec::new(), Vec::new());
+                all.groups.push(Group { name, tool: is_tool, stated, pairs, with });
+            }
+            let group = &mut all.groups[at];
+            group.pairs.push(pair);
+            group.with.extend(with.filter(|name| !group.with.contains(name)));
+        }
+    }
+    Ok(all)
+}
+
+impl Gathered {
+    /// Whether there is no point.
+    pub fn is_empty(&self) -> bool {
+        self.groups.is_empty() && self.joints == 0 && self.base == 0
+    }
+
+    /// With the points of another program: a frame of one name and one value is one frame. `files` are those before its own; what is its own is named by `program`.
+    pub fn join(&mut self, other: Gathered, files: usize, program: &str) {
+        self.joints += other.joints;
+        self.base += other.base;
+        for mut group in other.groups {
+            group.pairs.iter_mut().for_each(|pair| pair.point.0 += files);
+            let named = |known: &&mut Group| known.name == group.name && known.tool == group.tool;
+            let own = group.name.contains(" in line ");
+            match self.groups.iter_mut().find(named).filter(|_| !own) {
+                Some(known) if alike(&known.stated, &group.stated) => {
+                    known.pairs.append(&mut group.pairs);
+                    known.with.append(&mut group.with);
+                }
+                None if !own => self.groups.push(group),
+                _ => {
+                    group.name = format!("{} of {program}", group.name);
+                    self.groups.push(group);
+                }
             }
         }
     }
-    let (mut all, mut refused) = (Vec::new(), Vec::new());
-    for (name, tool, stated, pairs) in found {
-        let (offset, unknowns) = if tool { of_tool(&pairs) } else { of_frame(&pairs) };
-        let one = |pair: &Pair| {
-            let there = if tool { pair.before * offset } else { offset * pair.before };
-            let away = |from: &Pose| (pair.after.translation - from.translation).norm();
-            Remaining { point: pair.point, before: away(&pair.before), after: away(&there) }
-        };
-        let value = stated * if tool { offset.inverse() } else { offset };
-        let offset = Offset { name, tool, value, points: pairs.iter().map(one).collect() };
-        let [before, after] = offset.rms();
-        // An offset through fewer numbers than it has leaves nothing of them, wherever it is elsewhere.
-        let count = 3 * pairs.len();
-        let free = count.saturating_sub(unknowns).max(1);
-        let adjusted = after * (count as f64 / free as f64).sqrt();
-        match adjusted < before {
-            true => all.push(offset),
-            false => refused.push(format!(
-                "{}: no offset improves its {} points: the corrections are {:.3} mm RMS, and {:.3} mm would remain",
-                offset.name,
-                offset.points.len(),
-                1e3 * before,
-                1e3 * adjusted
-            )),
+
+    /// The values that correct them best; those that do not improve, in words.
+    pub fn offsets(self) -> (Vec<Offset>, Vec<String>) {
+        let (mut all, mut refused) = (Vec::new(), Vec::new());
+        let with: Vec<(String, Vec<String>)> =
+            self.groups.iter().map(|group| (group.name.clone(), group.with.clone())).collect();
+        for Group { name, tool, stated, pairs, .. } in self.groups {
+            let (offset, unknowns) = if tool { of_tool(&pairs) } else { of_frame(&pairs) };
+            let one = |pair: &Pair| {
+                let there = if tool { pair.before * offset } else { offset * pair.before };
+                let away = |from: &Pose| (pair.after.translation - from.translation).norm();
+                Remaining { point: pair.point, before: away(&pair.before), after: away(&there) }
+            };
+            let value = stated * if tool { offset.inverse() } else { offset };
+            let offset = Offset { name, tool, value, points: pairs.iter().map(one).collect() };
+            let [before, after] = offset.rms();
+            // An offset through fewer numbers than it has leaves nothing of them, wherever it is elsewhere.
+            let count = 3 * pairs.len();
+            let free = count.saturating_sub(unknowns).max(1);
+            let adjusted = after * (count as f64 / free as f64).sqrt();
+            match adjusted < before {
+                true => all.push(offset),
+                false => refused.push(format!(
+                    "{}: no offset improves its {} points: the corrections are {:.3} mm RMS, and {:.3} mm would remain",
+                    offset.name,
+                    offset.points.len(),
+                    1e3 * before,
+                    1e3 * adjusted
+                )),
+            }
         }
-    }
-    for (count, words) in
-        [(joints, "in joint values have no frame"), (base, "have neither a frame nor a tool with a name")]
-    {
-        if count > 0 {
-            refused.push(format!("points {words}: no offset corrects them ({count})"));
+        // A new tool moves the points of every frame that have it.
+        for offset in all.iter().filter(|offset| offset.tool) {
+            let shared = with.iter().filter(|(name, tools)| {
+                tools.contains(&offset.name) && all.iter().any(|other| !other.tool && other.name == *name)
+            });
+            let names: Vec<&str> = shared.map(|(name, _)| name.as_str()).collect();
+            if !names.is_empty() {
+                refused.push(format!(
+                    "{0}: points in {1} have this tool as well, and would be corrected twice: set the new value of {0} or of {1}, not both",
+                    offset.name,
+                    names.join(", ")
+                ));
+            }
         }
+        for (count, words) in [
+            (self.joints, "in joint values have no frame"),
+            (self.base, "have neither a frame nor a tool with a name"),
+        ] {
+            if count > 0 {
+                refused.push(format!("points {words}: no offset corrects them ({count})"));
+            }
+        }
+        (all, refused)
     }
-    Ok((all, refused))
+}
+
+/// Whether two frames are one, but for round-off of their digits.
+fn alike(a: &Pose, b: &Pose) -> bool {
+    (a.translation - b.translation).norm() < 1e-9 && (a.rotation - b.rotation).norm() < 1e-9
 }
 
 /// Frames that every controller has at its base, with a name.

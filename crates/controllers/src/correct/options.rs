@@ -33,6 +33,8 @@ pub struct CorrectOptions {
     pub limit: f64,
     /// External axes of the program that are joints of the robot: name in the program, name of the joint.
     pub external: Vec<(String, String)>,
+    /// Frames of the program on a positioner: name in the program, name of the fit's tool that is there. Their values are in the axes of that tool.
+    pub work: Vec<(String, String)>,
     /// Other external axes move neither the robot nor what the points are on.
     pub ignore_external: bool,
     /// The axes (1 to 6) of FANUC's three turn numbers.
@@ -59,6 +61,7 @@ impl Default for CorrectOptions {
             // No arm of which measurements are published errs by more than 6 mm: more is a wrong frame, unit or load.
             limit: 0.01,
             external: Vec::new(),
+            work: Vec::new(),
             ignore_external: false,
             turn_axes: None,
             pulses: None,

@@ -2,7 +2,7 @@
 
 use super::correction::Outcome;
 use crate::program::Branch;
-use truepose_kinematics::Pose;
+use truepose_kinematics::{Pose, ToolId};
 
 /// Why a point stays as it is.
 pub(super) struct Stays {
@@ -23,8 +23,10 @@ pub(super) struct Placed {
     pub(super) before: Pose,
     /// `G · X`.
     pub(super) behind: Pose,
-    /// Both as they really are.
+    /// Both as they really are; of a frame on a positioner where its axes are known to be.
     pub(super) real: [Pose; 2],
+    /// The positioner's tool that carries the frame, and the frame in its axes.
+    pub(super) on: Option<(ToolId, Pose)>,
     pub(super) branch: Branch,
     /// Whether the branch is that of the joints.
     pub(super) stated: bool,

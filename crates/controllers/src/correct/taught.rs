@@ -15,45 +15,71 @@
 //! K, G, A, B E_0, tool E_tool: see `correct`. F and X are those of the program: they have to agree with n.
 
 use super::frames::{Frames, same, used};
-use super::options::{CorrectOptions, Taught, Touched};
+use super::lean::{Lean, Seen, derivative};
+use super::options::{CorrectOptions, Taught};
 use super::outside::outside;
 use super::signals::signals;
+use super::three_points::Method;
 use crate::ControllerError;
 use crate::program::{Program, Reference};
-use truepose_compensate::installation;
+use truepose_compensate::installation_of;
 use truepose_errormodel::{Coverage, FittedModel};
 use truepose_kinematics::nalgebra::{DMatrix, DVector, Matrix3, Vector3};
-use truepose_kinematics::{Conditions, Pose};
+use truepose_kinematics::{Conditions, Pose, ToolId, rotation_vector};
 
 /// The controller's frame has to agree with its points within this, m: joints with two decimals of a degree are 0.35 mm at 2 m.
 const AGREES: f64 = 1e-3;
 
-/// Points that are nearer to each other than this make no axis, m.
-const APART: f64 = 5e-3;
-
 /// Corrections of taught frames and tools.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Learned {
-    /// `T(r) · T(n)⁻¹` in the controller's base.
-    frames: Vec<(String, Pose)>,
-    /// `t(r) − t(n)` in the controller's flange.
-    tools: Vec<(String, Vector3<f64>)>,
+    frames: Vec<Frame>,
+    tools: Vec<Tool>,
 }
 
-/// Nominal and real place of something.
-struct Both<T> {
-    nominal: T,
-    real: T,
+#[derive(Debug, Clone)]
+struct Frame {
+    name: String,
+    /// `T(r) · T(n)⁻¹` in the controller's base.
+    shift: Pose,
+    order: Method,
+    /// The touched points in the measurement frame.
+    tips: Vec<Vector3<f64>>,
+    leans: Vec<Lean>,
+}
+
+#[derive(Debug, Clone)]
+struct Tool {
+    name: String,
+    /// `t(r) − t(n)` in the controller's flange.
+    shift: Vector3<f64>,
+    /// Of the tip in the controller's flange.
+    lean: Lean,
+}
+
+/// The controller's flange where something was touched.
+struct Flange {
+    /// In the controller's base.
+    nominal: Pose,
+    real: Pose,
+    /// The real one in the measurement frame.
+    seen: Seen,
+}
+
+/// The robot that touched.
+pub(super) struct Toucher<'a> {
+    pub(super) fitted: &'a FittedModel,
+    pub(super) options: &'a CorrectOptions,
+    /// Its tool, where it branches.
+    pub(super) hand: ToolId,
 }
 
 impl Learned {
     /// # Errors
     /// When points make no frame, do not agree with the program's, or are outside of the data of the fit.
-    pub(super) fn new(
-        programs: &[Program],
-        fitted: &FittedModel,
-        options: &CorrectOptions,
-    ) -> Result<Learned, ControllerError> {
+    pub(super) fn new(programs: &[Program], toucher: &Toucher<'_>) -> Result<Learned, ControllerError> {
+        let options = toucher.options;
+        let sd = toucher.fitted.noise.position_sd;
         let mut learned = Learned::default();
         let uses = |which: usize, name: &str| {
             programs.iter().find(|program| used(program)[which].iter().any(|other| same(other, name)))
@@ -61,17 +87,17 @@ impl Learned {
         // Tools first: they may touch.
         for taught in &options.taught {
             if let Some(program) = uses(1, &taught.name) {
-                let flanges = flanges(fitted, options, taught)?;
-                let shift = tool(&Frames::new(program, options)?, taught, &flanges).map_err(about(taught))?;
-                learned.tools.push((taught.name.clone(), shift));
+                let flanges = toucher.flanges(taught)?;
+                let found = tool(&Frames::new(program, options)?, taught, &flanges, sd);
+                learned.tools.push(found.map_err(about(taught))?);
             }
         }
         for taught in &options.taught {
             if let Some(program) = uses(0, &taught.name) {
-                let flanges = flanges(fitted, options, taught)?;
+                let flanges = toucher.flanges(taught)?;
                 let frames = Frames::new(program, options)?;
-                let shift = learned.frame_of(&frames, program, taught, &flanges).map_err(about(taught))?;
-                learned.frames.push((taught.name.clone(), shift));
+                let found = learned.frame_of(&frames, program, taught, &flanges, sd);
+                learned.frames.push(found.map_err(about(taught))?);
             }
         }
         Ok(learned)
@@ -79,14 +105,52 @@ impl Learned {
 
     /// Where a frame that the program has really is.
     pub(super) fn frame(&self, name: Option<&str>, stated: Pose) -> Pose {
-        let found = self.frames.iter().find(|(other, _)| name.is_some_and(|name| same(other, name)));
-        found.map_or(stated, |(_, shift)| *shift * stated)
+        self.frame_named(name).map_or(stated, |frame| frame.shift * stated)
     }
 
     /// The tool that the robot really has.
     pub(super) fn tool(&self, name: Option<&str>, stated: Pose) -> Pose {
-        let found = self.tools.iter().find(|(other, _)| name.is_some_and(|name| same(other, name)));
-        found.map_or(stated, |(_, shift)| Pose::new(stated.rotation, stated.translation + shift))
+        let found = self.tool_named(name);
+        found.map_or(stated, |tool| Pose::new(stated.rotation, stated.translation + tool.shift))
+    }
+
+    /// How a desired position (measurement frame) leans on the fit, of a point with this frame and tool, and with the controller's flange turned so; none: not at
+    /// all.
+    pub(super) fn lean(
+        &self,
+        (frame, tool): (Option<&str>, Option<&str>),
+        desired: &Vector3<f64>,
+        flange: &Matrix3<f64>,
+    ) -> Option<Lean> {
+        let (frame, tool) = (self.frame_named(frame), self.tool_named(tool));
+        let columns = frame.map(|frame| &frame.leans[0]).or(tool.map(|tool| &tool.lean))?.rows.ncols();
+        let mut lean = Lean::none(columns);
+        if let Some(frame) = frame {
+            let rest = frame.order.frame(&frame.tips).ok()?.inverse().apply(desired);
+            for (k, input) in frame.leans.iter().enumerate() {
+                let by = derivative(|step| {
+                    let mut tips = frame.tips.clone();
+                    tips[k] += step;
+                    frame.order.frame(&tips).ok().map(|moved| moved.apply(&rest))
+                });
+                lean.add(&by?, input);
+            }
+        }
+        if let Some(tool) = tool {
+            // A tip farther out brings the flange back.
+            lean.add(&-flange, &tool.lean);
+        }
+        Some(lean)
+    }
+
+    fn frame_named(&self, name: Option<&str>) -> Option<&Frame> {
+        let name = name?;
+        self.frames.iter().find(|frame| same(&frame.name, name))
+    }
+
+    fn tool_named(&self, name: Option<&str>) -> Option<&Tool> {
+        let name = name?;
+        self.tools.iter().find(|tool| same(&tool.name, name))
     }
 
     fn frame_of(
@@ -94,8 +158,9 @@ impl Learned {
         frames: &Frames<'_>,
         program: &Program,
         taught: &Taught,
-        flanges: &[Both<Pose>],
-    ) -> Result<Pose, String> {
+        flanges: &[Flange],
+        sd: f64,
+    ) -> Result<Frame, String> {
         let stated = frames.frame(&Reference::Named(taught.name.clone()))?;
         let name = touching(program, taught)?;
         let reference = match name.as_deref() {
@@ -104,13 +169,12 @@ impl Learned {
         };
         let tool = frames.tool(&reference)?;
         let real = self.tool(name.as_deref(), tool);
-        let tips = flanges
-            .iter()
-            .map(|at| Both { nominal: (at.nominal * tool).translation, real: (at.real * real).translation });
-        let tips: Vec<Both<Vector3<f64>>> = tips.collect();
+        let nominal: Vec<Vector3<f64>> = flanges.iter().map(|at| (at.nominal * tool).translation).collect();
+        let found: Vec<Vector3<f64>> = flanges.iter().map(|at| (at.real * real).translation).collect();
+        let tips: Vec<Vector3<f64>> = flanges.iter().map(|at| (at.seen.pose * real).translation).collect();
         let order = Method::of(&taught.touched)?;
         for (role, place) in order.roles() {
-            let at = stated.inverse().apply(&tips[place].nominal);
+            let at = stated.inverse().apply(&nominal[place]);
             let off = role.off(&at);
             if off > AGREES {
                 let [x, y, z] = [at.x, at.y, at.z].map(|v| 1e3 * v);
@@ -124,10 +188,16 @@ impl Learned {
                 ));
             }
         }
-        let of = |part: fn(&Both<Vector3<f64>>) -> Vector3<f64>| {
-            order.frame(&tips.iter().map(part).collect::<Vec<_>>())
+        let shift = order.frame(&found)? * order.frame(&nominal)?.inverse();
+        let lean = |(at, tip): (&Flange, &Vector3<f64>)| {
+            let mut lean = at.seen.point(tip, sd);
+            if let Some(tool) = self.tool_named(name.as_deref()) {
+                lean.add(&at.seen.pose.rotation, &tool.lean);
+            }
+            lean
         };
-        Ok(of(|tip| tip.real)? * of(|tip| tip.nominal)?.inverse())
+        let leans = flanges.iter().zip(&tips).map(lean).collect();
+        Ok(Frame { name: taught.name.clone(), shift, order, tips, leans })
     }
 }
 
@@ -135,31 +205,36 @@ fn about(taught: &Taught) -> impl Fn(String) -> ControllerError + '_ {
     |words| ControllerError::Option(format!("--taught {}: {}: {words}", taught.name, taught.file))
 }
 
-/// Nominal and real flanges of the controller in its base.
-fn flanges(
-    fitted: &FittedModel,
-    options: &CorrectOptions,
-    taught: &Taught,
-) -> Result<Vec<Both<Pose>>, ControllerError> {
-    let chain = fitted.chain();
-    let (schema, values) = signals(fitted, options)?;
-    let mut coverage = Coverage::new(fitted, &schema)?;
-    let installation = installation(fitted)?;
-    let (before, behind) = (options.controller_base.inverse(), options.controller_flange);
-    let mut all = Vec::with_capacity(taught.touched.len());
-    for touched in &taught.touched {
-        let load = touched.load.unwrap_or(options.load);
-        let mut conditions = Conditions::at(chain, &touched.joints).with_load(load);
-        conditions.channels.clone_from(&values);
-        let here = coverage.judge(&conditions, None);
-        outside(fitted, &schema.channels, &conditions, &here.beyond)
-            .map_err(|words| about(taught)(format!("line {}: {words}", touched.line)))?;
-        let nominal =
-            chain.base().pose.inverse() * chain.forward(&touched.joints) * chain.tool().pose.inverse();
-        let real = installation.base.inverse() * here.pose * installation.tool.inverse();
-        all.push(Both { nominal: before * nominal * behind, real: before * real * behind });
+impl Toucher<'_> {
+    /// The controller's flanges at the joints at which something was touched.
+    fn flanges(&self, taught: &Taught) -> Result<Vec<Flange>, ControllerError> {
+        let (fitted, options) = (self.fitted, self.options);
+        let chain = fitted.chain();
+        let (schema, values) = signals(fitted, options)?;
+        let mut coverage = Coverage::new(fitted, &schema)?;
+        let mut predictor = fitted.bind(&schema)?;
+        let installation = installation_of(fitted, self.hand)?;
+        let tool = chain.tools()[self.hand.0].placed.pose;
+        let (before, behind) = (options.controller_base.inverse(), options.controller_flange);
+        let mut all = Vec::with_capacity(taught.touched.len());
+        for touched in &taught.touched {
+            let load = touched.load.unwrap_or(options.load);
+            let mut conditions = Conditions::at(chain, &touched.joints).with_load(load);
+            conditions.channels.clone_from(&values);
+            conditions.tool = self.hand;
+            let here = coverage.judge(&conditions, None);
+            outside(fitted, &schema.channels, &conditions, &here.beyond)
+                .map_err(|words| about(taught)(format!("line {}: {words}", touched.line)))?;
+            let nominal =
+                chain.base().pose.inverse() * chain.forward_to(self.hand, &touched.joints) * tool.inverse();
+            let flange = here.pose * installation.tool.inverse();
+            let real = before * installation.base.inverse() * flange * behind;
+            let seen = Seen { pose: here.pose, rows: predictor.sensitivity(&conditions, None) };
+            let seen = seen.moved(&(flange * behind));
+            all.push(Flange { nominal: before * nominal * behind, real, seen });
+        }
+        Ok(all)
     }
-    Ok(all)
 }
 
 /// The name of the tool that touched; none: no tool.
@@ -186,92 +261,8 @@ fn touching(program: &Program, taught: &Taught) -> Result<Option<String>, String
     }
 }
 
-/// The place of a point in the three-point method.
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Role {
-    Origin,
-    /// On the x axis, at positive x, or (ABB) anywhere.
-    X(bool),
-    /// In the half plane of positive y, or (ABB) on the y axis.
-    Y(bool),
-}
-
-impl Role {
-    /// How far a point in the frame is from where it has to be.
-    fn off(self, at: &Vector3<f64>) -> f64 {
-        match self {
-            Role::Origin => at.norm(),
-            Role::X(positive) => at.y.hypot(at.z).max(if positive { -at.x } else { 0.0 }),
-            Role::Y(axis) => at.z.abs().max(-at.y).max(if axis { at.x.abs() } else { 0.0 }),
-        }
-    }
-
-    fn words(self) -> &'static str {
-        match self {
-            Role::Origin => "(its origin)",
-            Role::X(_) => "(on its x axis)",
-            Role::Y(false) => "(in its x-y plane)",
-            Role::Y(true) => "(on its y axis)",
-        }
-    }
-}
-
-/// How three points make a frame: their places in the list.
-enum Method {
-    Corner([usize; 3]),
-    /// ABB: two on the x axis, one on the y axis.
-    Axes([usize; 3]),
-}
-
-impl Method {
-    fn of(touched: &[Touched]) -> Result<Method, String> {
-        if touched.len() != 3 {
-            return Err(format!(
-                "three points make a frame (origin, x, xy), and {} are there",
-                touched.len()
-            ));
-        }
-        let find = |word: &str| touched.iter().position(|point| point.word.eq_ignore_ascii_case(word));
-        let all = |words: [&str; 3]| Some([find(words[0])?, find(words[1])?, find(words[2])?]);
-        if touched.iter().all(|point| point.word.is_empty()) {
-            return Ok(Method::Corner([0, 1, 2]));
-        }
-        if let Some(order) = all(["origin", "x", "xy"]) {
-            return Ok(Method::Corner(order));
-        }
-        all(["x1", "x2", "y1"]).map(Method::Axes).ok_or_else(|| {
-            let words: Vec<&str> = touched.iter().map(|point| point.word.as_str()).collect();
-            format!("its points are called {}; known are origin, x, xy and x1, x2, y1", words.join(", "))
-        })
-    }
-
-    fn roles(&self) -> [(Role, usize); 3] {
-        match *self {
-            Method::Corner([o, x, xy]) => [(Role::Origin, o), (Role::X(true), x), (Role::Y(false), xy)],
-            Method::Axes([a, b, y]) => [(Role::X(false), a), (Role::X(false), b), (Role::Y(true), y)],
-        }
-    }
-
-    fn frame(&self, points: &[Vector3<f64>]) -> Result<Pose, String> {
-        let (Method::Corner(order) | Method::Axes(order)) = *self;
-        let [first, second, third] = order.map(|k| points[k]);
-        let x = second - first;
-        let along = x.normalize();
-        let origin = match self {
-            Method::Corner(_) => first,
-            Method::Axes(_) => first + along * along.dot(&(third - first)),
-        };
-        let y = third - origin - along * along.dot(&(third - origin));
-        if !(x.norm() > APART && y.norm() > APART) {
-            return Err("its points are at one place or on one line".into());
-        }
-        let y = y.normalize();
-        Ok(Pose::new(Matrix3::from_columns(&[along, y, along.cross(&y)]), origin))
-    }
-}
-
-/// How far the tip really is from where the program has it, in the controller's flange.
-fn tool(frames: &Frames<'_>, taught: &Taught, flanges: &[Both<Pose>]) -> Result<Vector3<f64>, String> {
+/// Where the tip really is.
+fn tool(frames: &Frames<'_>, taught: &Taught, flanges: &[Flange], sd: f64) -> Result<Tool, String> {
     let stated = frames.tool(&Reference::Named(taught.name.clone()))?.translation;
     let (nominal, scatter) = tip(flanges.iter().map(|at| at.nominal))?;
     let (real, _) = tip(flanges.iter().map(|at| at.real))?;
@@ -285,7 +276,24 @@ fn tool(frames: &Frames<'_>, taught: &Taught, flanges: &[Both<Pose>]) -> Result<
             1e3 * off
         ));
     }
-    Ok(real - nominal)
+    let poses: Vec<Pose> = flanges.iter().map(|at| at.seen.pose).collect();
+    let mut lean = Lean::none(flanges.first().map_or(0, |at| at.seen.rows.ncols()));
+    for (k, at) in flanges.iter().enumerate() {
+        let with = |moved: Pose| {
+            let mut poses = poses.clone();
+            poses[k] = moved;
+            tip(poses.iter().copied()).ok().map(|(tip, _)| tip)
+        };
+        let place =
+            derivative(|step| with(Pose::new(at.seen.pose.rotation, at.seen.pose.translation + step)));
+        let turn = derivative(|step| {
+            with(Pose::new(rotation_vector(step) * at.seen.pose.rotation, at.seen.pose.translation))
+        });
+        let (Some(place), Some(turn)) = (place, turn) else { continue };
+        lean.add(&place, &at.seen.point(&at.seen.pose.translation, sd));
+        lean.rows += turn * at.seen.turning();
+    }
+    Ok(Tool { name: taught.name.clone(), shift: real - nominal, lean })
 }
 
 /// The tip that is at one place in all postures, and the largest distance from there.

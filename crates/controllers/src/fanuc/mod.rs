@@ -16,15 +16,18 @@
 mod frames;
 mod motions;
 mod position;
+mod registers;
+mod settings;
 mod statements;
 mod subprograms;
 
-use crate::event::Visit;
+use crate::event::{Event, Visit};
 use crate::lines::{Line, lines};
 use crate::program::{Definition, Definitions};
 use crate::tokens::{Lexis, tokens_from};
 use crate::{ControllerError, Dialect, Program};
-use std::collections::BTreeMap;
+use motions::{Motions, Place, Registered};
+use std::collections::{BTreeMap, BTreeSet};
 use subprograms::Subprograms;
 
 const LEXIS: Lexis = Lexis { comment: 0, quotes: b"\"'", header: None, escapes: false };
@@ -36,6 +39,9 @@ pub(crate) fn read(text: &[u8], others: &[&[u8]]) -> Result<Program, ControllerE
     }
     if frames::is(text) {
         return Ok(Program::of_frames(Dialect::Fanuc, text, definitions));
+    }
+    if registers::is(text) {
+        return Ok(of_registers(text, others, definitions));
     }
     let lines = lines(text);
     let head = |word: &str| lines.iter().position(|line| line.after(word).is_some_and(<[u8]>::is_empty));
@@ -59,7 +65,9 @@ pub(crate) fn read(text: &[u8], others: &[&[u8]]) -> Result<Program, ControllerE
         definitions.0.insert(name, Definition::Unusable(words));
     }
     let subprograms = Subprograms::of(others.iter().copied());
-    let motions = motions::read(&lines[mn + 1..pos], &known, &subprograms);
+    let registers: BTreeSet<i64> =
+        others.iter().filter(|text| registers::is(text)).flat_map(|text| registers::known(text)).collect();
+    let motions = motions::read(&lines[mn + 1..pos], &known, &registers, &subprograms);
     let place: BTreeMap<i64, usize> =
         points.iter().enumerate().filter_map(|(k, point)| Some((position::number_of(point)?, k))).collect();
     for (number, words) in &motions.displaced {
@@ -75,11 +83,10 @@ pub(crate) fn read(text: &[u8], others: &[&[u8]]) -> Result<Program, ControllerE
             points[k].carried = definitions.load(load);
         }
     }
-    let visit = |&(number, linear, line): &(Option<i64>, bool, usize)| {
-        let at = number.and_then(|number| place.get(&number).copied());
-        Visit::event(at.into_iter().collect(), linear, line)
-    };
-    let route = vec![motions.reached.iter().map(visit).collect()];
+    let route = vec![visits(&motions, |to| match to {
+        Place::Point(number) => place.get(&number).copied(),
+        _ => None,
+    })];
     Ok(Program {
         dialect: Dialect::Fanuc,
         text: text.to_vec(),
@@ -88,6 +95,60 @@ pub(crate) fn read(text: &[u8], others: &[&[u8]]) -> Result<Program, ControllerE
         route,
         notes: motions.notes,
     })
+}
+
+/// What happens, with the points that are these places.
+fn visits(motions: &Motions<'_>, point: impl Fn(Place) -> Option<usize>) -> Vec<Event> {
+    let visit = |&(to, linear, line): &(Place, bool, usize)| {
+        Visit::event(point(to).into_iter().collect(), linear, line)
+    };
+    motions.reached.iter().map(visit).collect()
+}
+
+/// Position registers as points of the programs that move there.
+fn of_registers(text: &[u8], others: &[&[u8]], definitions: Definitions) -> Program {
+    let known: BTreeSet<i64> = registers::known(text).collect();
+    let mut route = vec![Vec::new()];
+    let mut used: Vec<Vec<Registered>> = Vec::new();
+    let mut changed: Vec<(Option<i64>, usize)> = Vec::new();
+    // The points are those of the registers in their order.
+    let place: BTreeMap<i64, usize> = known.iter().enumerate().map(|(k, &number)| (number, k)).collect();
+    let all = lines_of(others);
+    for (k, lines) in all.iter().enumerate() {
+        let of_calls = Subprograms::of(
+            others.iter().enumerate().filter(|(other, _)| *other != k).map(|(_, text)| *text),
+        );
+        let motions = motions::read(lines, &[], &known, &of_calls);
+        route.push(visits(&motions, |to| match to {
+            Place::Register(number) => place.get(&number).copied(),
+            _ => None,
+        }));
+        changed.extend(motions.changed);
+        used.push(motions.registered);
+    }
+    let mut points = Vec::new();
+    for (number, mut point) in registers::points(text, &used, &definitions) {
+        let mut changes = changed.iter().filter(|(other, _)| other.is_none_or(|other| other == number));
+        if let Some((_, line)) = changes.next() {
+            let words = format!("line {line} gives it another value while the program runs");
+            point.fixed.get_or_insert(words);
+        }
+        points.push(point);
+    }
+    Program { points, route, ..Program::of_frames(Dialect::Fanuc, text, definitions) }
+}
+
+/// The instructions of programs; none of what is no program.
+fn lines_of<'t>(texts: &[&'t [u8]]) -> Vec<Vec<Line<'t>>> {
+    let one = |text: &&'t [u8]| {
+        let mut lines = lines(text);
+        let head = |word: &str| lines.iter().position(|line| line.after(word).is_some_and(<[u8]>::is_empty));
+        let Some(mn) = head("/MN") else { return Vec::new() };
+        let pos = head("/POS").filter(|&pos| pos > mn).unwrap_or(lines.len());
+        lines.truncate(pos);
+        lines.split_off(mn + 1)
+    };
+    texts.iter().map(one).collect()
 }
 
 /// `LINE_TRACK_SCHEDULE_NUMBER : 1;` in front of /MN: positions are those on a conveyor that moves.

@@ -1,6 +1,7 @@
 //! Instructions: which points are reached, and which are displaced on the way.
 
-use super::statements::{PAYLOADS, called, statements};
+use super::settings::{PAYLOAD, Selected, Setting, WHAT, setting};
+use super::statements::{called, jumps, shown, statements};
 use super::subprograms::Subprograms;
 use crate::lines::Line;
 use crate::note::Note;
@@ -9,14 +10,18 @@ use std::collections::{BTreeMap, BTreeSet};
 
 #[derive(Debug)]
 pub(super) struct Motions<'s> {
-    /// Numbers of the points in the order of the program (none: another place), whether the way is a line or an arc, and the line.
-    pub(super) reached: Vec<(Option<i64>, bool, usize)>,
+    /// Places in the order of the program, whether the way is a line or an arc, and the line.
+    pub(super) reached: Vec<(Place, bool, usize)>,
+    /// Motions to position registers that have a value.
+    pub(super) registered: Vec<Registered>,
+    /// Position registers that get another value (none: one that is computed), with the line.
+    pub(super) changed: Vec<(Option<i64>, usize)>,
     /// Points that an instruction displaces, and why.
     pub(super) displaced: Vec<(i64, String)>,
     /// Points with the payload that is active at a motion to them.
     pub(super) carried: BTreeMap<i64, Reference>,
     pub(super) notes: Vec<Note>,
-    payload: Reference,
+    selected: Selected,
     /// Whether lines are left out or run in another order.
     jumps: bool,
     /// The line of an offset by touching that is on.
@@ -24,6 +29,27 @@ pub(super) struct Motions<'s> {
     subprograms: &'s Subprograms,
     /// Numbers of the points that have a value.
     known: BTreeSet<i64>,
+    /// Those of position registers.
+    registers: &'s BTreeSet<i64>,
+}
+
+/// Where a motion goes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Place {
+    /// `P[n]`
+    Point(i64),
+    /// `PR[n]`
+    Register(i64),
+    Elsewhere,
+}
+
+/// A motion to a position register.
+#[derive(Debug)]
+pub(super) struct Registered {
+    pub(super) number: i64,
+    pub(super) selected: Selected,
+    /// Why it must not be changed.
+    pub(super) fixed: Option<String>,
 }
 
 /// Parts of words behind a point that move it, or the robot relative to something, in the languages of the controllers.
@@ -146,44 +172,58 @@ const ACTIONS: [&str; 14] = [
     "POINT_LOGIC",
 ];
 
-/// Words behind which lines are left out or run in another order.
-const JUMPS: [&str; 6] = ["JMP", "SPRUNG", "IF", "WENN", "SELECT", "FOR"];
-
-pub(super) fn read<'s>(lines: &[Line<'_>], known: &[i64], subprograms: &'s Subprograms) -> Motions<'s> {
+pub(super) fn read<'s>(
+    lines: &[Line<'_>],
+    known: &[i64],
+    registers: &'s BTreeSet<i64>,
+    subprograms: &'s Subprograms,
+) -> Motions<'s> {
     let mut found = Motions {
         reached: Vec::new(),
+        registered: Vec::new(),
+        changed: Vec::new(),
         displaced: Vec::new(),
         carried: BTreeMap::new(),
         notes: Vec::new(),
-        payload: Reference::Unknown("no PAYLOAD is before it".into()),
+        selected: WHAT.map(|word| Reference::Unknown(format!("no {word} is before it"))),
         jumps: false,
         touched: None,
         subprograms,
+        registers,
         known: known.iter().copied().collect(),
     };
     for (text, line) in statements(lines) {
         found.statement(&text, line);
     }
-    if found.jumps && found.carried.values().any(|load| *load != found.payload) {
-        let unknown = Reference::Unknown("the program jumps, and has several PAYLOADs".into());
+    let several = |word: &str| Reference::Unknown(format!("the program jumps, and has several {word}s"));
+    if found.jumps && found.carried.values().any(|load| *load != found.selected[PAYLOAD]) {
+        let unknown = several(WHAT[PAYLOAD]);
         found.carried.values_mut().for_each(|load| load.clone_from(&unknown));
+    }
+    for (which, word) in WHAT.iter().enumerate().filter(|_| found.jumps) {
+        if found.registered.iter().any(|used| used.selected[which] != found.selected[which]) {
+            found.registered.iter_mut().for_each(|used| used.selected[which] = several(word));
+        }
     }
     found
 }
 
 impl Motions<'_> {
     fn statement(&mut self, text: &str, line: usize) {
+        // `PR[3]=LPOS`, `PR[3,2]=…`, `Skip,LBL[1],PR[5]=LPOS`.
+        let ends = text.match_indices(']').filter(|(at, _)| text[at + 1..].trim_start().starts_with('='));
+        let written = ends.filter_map(|(at, _)| references(&text[..=at]).pop());
+        let changed = written.filter(|(list, _)| *list == "PR").map(|(_, number)| (number, line));
+        self.changed.extend(changed.collect::<Vec<_>>());
         if let Some(rest) = destinations(text) {
             self.motion(rest, text, line);
-        } else if let Some(payload) = payload(text) {
-            let computed = || Reference::Unknown(format!("{} in line {line} is computed", shown(text)));
-            self.payload = match payload {
-                Payload::Schedule(number) => Reference::Named(format!("PAYLOAD[{number}]")),
-                Payload::Computed => computed(),
-                Payload::OfAnotherGroup => return,
-            };
+        } else if let Some(setting) = setting(text, line) {
+            match setting {
+                Setting::To(which, to) => self.selected[which] = to,
+                Setting::OfAnotherGroup => return,
+            }
         } else {
-            self.jumps |= JUMPS.iter().any(|word| text.starts_with(word));
+            self.jumps |= jumps(text);
             let plain = text.to_uppercase().replace(' ', "");
             if plain.starts_with("TOUCHOFFSET") {
                 self.touched = (!plain.starts_with("TOUCHOFFSETEND")).then_some(line);
@@ -191,9 +231,7 @@ impl Motions<'_> {
             self.odd(text, line);
         }
         for name in called(text) {
-            if let Some(words) = self.subprograms.payload(&name) {
-                self.payload = Reference::Unknown(format!("{name} is called in line {line}, {words}"));
-            }
+            self.subprograms.call(&name, line, &mut self.selected);
         }
     }
 
@@ -214,7 +252,7 @@ impl Motions<'_> {
         let all = references(rest);
         let linear = !text.starts_with('J');
         if all.is_empty() {
-            self.reached.push((None, linear, line));
+            self.reached.push((Place::Elsewhere, linear, line));
             let words = "its position is that of no list of the program: where the robot moves is not known";
             self.notes.push(Note::refusing(line, shown(text), words.into()));
             return;
@@ -246,19 +284,26 @@ impl Motions<'_> {
         for (list, number) in all.into_iter().take(places) {
             match number.filter(|_| list == "P") {
                 Some(number) if !self.known.contains(&number) => {
-                    self.reached.push((None, linear, line));
+                    self.reached.push((Place::Elsewhere, linear, line));
                     self.notes.push(Note::missing(line, shown(text), format!("P[{number}]")));
                 }
                 Some(number) => {
-                    let load = self.carried.entry(number).or_insert_with(|| self.payload.clone());
-                    if *load != self.payload {
+                    let payload = &self.selected[PAYLOAD];
+                    let load = self.carried.entry(number).or_insert_with(|| payload.clone());
+                    if load != payload {
                         *load = Reference::Unknown("it is used with several PAYLOADs".into());
                     }
-                    self.reached.push((Some(number), linear, line));
+                    self.reached.push((Place::Point(number), linear, line));
                     self.displaced.extend(why.clone().map(|words| (number, words)));
                 }
+                None if number.is_some_and(|number| self.registers.contains(&number)) => {
+                    let number = number.unwrap_or_default();
+                    self.reached.push((Place::Register(number), linear, line));
+                    let (selected, fixed) = (self.selected.clone(), why.clone());
+                    self.registered.push(Registered { number, selected, fixed });
+                }
                 None => {
-                    self.reached.push((None, linear, line));
+                    self.reached.push((Place::Elsewhere, linear, line));
                     let number = number.map_or("…".into(), |number| number.to_string());
                     self.notes.push(Note::missing(line, shown(text), format!("{list}[{number}]")));
                 }
@@ -275,27 +320,6 @@ fn destinations(text: &str) -> Option<&str> {
     let blank = rest.starts_with(|c: char| c.is_whitespace() || c == '@');
     let list = to.starts_with("P[") || to.starts_with("PR[");
     (list || blank && name.len() < to.len() && name.starts_with('[')).then_some(to)
-}
-
-/// What a statement `PAYLOAD[…]` selects.
-enum Payload {
-    Schedule(u32),
-    Computed,
-    OfAnotherGroup,
-}
-
-/// `PAYLOAD[2]`, `TRAGLST[2]`, `PAYLOAD[GP1:2]`.
-fn payload(text: &str) -> Option<Payload> {
-    let rest = PAYLOADS.iter().find_map(|word| text.strip_prefix(word))?;
-    let inside = rest.split(']').next().unwrap_or("").trim();
-    let (group, number) =
-        inside.split_once(':').filter(|(group, _)| group.starts_with("GP")).unwrap_or(("GP1", inside));
-    let number = number.split(':').next().unwrap_or("").trim();
-    Some(match number.parse() {
-        _ if group.trim() != "GP1" => Payload::OfAnotherGroup,
-        Ok(number) => Payload::Schedule(number),
-        Err(_) => Payload::Computed,
-    })
 }
 
 /// Words behind the first point in capitals, without what is in brackets and quotes.
@@ -320,10 +344,6 @@ fn behind(rest: &str) -> Vec<String> {
     // `.5sec`, `500mm`: a number and its unit.
     let unit = |word: String| word.trim_start_matches(|c: char| c.is_ascii_digit() || c == '.').to_owned();
     words.map(unit).filter(|word| !word.is_empty()).collect()
-}
-
-fn shown(text: &str) -> String {
-    text.split_whitespace().collect::<Vec<_>>().join(" ").trim_end_matches(" ;").chars().take(60).collect()
 }
 
 /// `P[3:name]`, `PR[1]`, `P[R[2]]`: list and number, none where that is computed.

@@ -181,7 +181,8 @@ fn fill(text: &[u8], point: &mut Point, entries: &[Entry], active: [Reference; 2
         point.value = Value::Joints(numbers);
         return;
     }
-    let branch = config.and_then(|token| branch(text, token, &mut point.turns));
+    let inside = config.map(|token| token.range.start + 1..token.range.end - 1);
+    let branch = inside.and_then(|inside| branch(text, inside, &mut point.turns));
     let Some((pose, branch)) = Dialect::Fanuc.pose(&numbers).zip(branch) else {
         point.fixed.get_or_insert_with(|| "its CONFIG is not three letters and three numbers".into());
         point.turns.clear();
@@ -192,9 +193,8 @@ fn fill(text: &[u8], point: &mut Point, entries: &[Entry], active: [Reference; 2
     point.value = Value::Pose { pose, frame, tool, branch };
 }
 
-/// `'N U T, 0, 0, 0'`
-fn branch(text: &[u8], token: &Token, turns: &mut Vec<Slot>) -> Option<Branch> {
-    let inside = token.range.start + 1..token.range.end - 1;
+/// `N U T, 0, 0, 0`
+pub(super) fn branch(text: &[u8], inside: std::ops::Range<usize>, turns: &mut Vec<Slot>) -> Option<Branch> {
     let mut at = inside.start;
     let mut fields = Vec::new();
     for part in text[inside].split(|&byte| byte == b',') {

@@ -2,8 +2,13 @@
 
 use crate::lines::Line;
 
-/// What selects a payload.
-pub(super) const PAYLOADS: [&str; 2] = ["PAYLOAD[", "TRAGLST["];
+/// Words behind which lines are left out or run in another order.
+const JUMPS: [&str; 6] = ["JMP", "SPRUNG", "IF", "WENN", "SELECT", "FOR"];
+
+/// Whether lines behind a statement may be left out or run in another order.
+pub(super) fn jumps(text: &str) -> bool {
+    JUMPS.iter().any(|word| text.starts_with(word))
+}
 
 /// Statements without comments, with their first lines.
 pub(super) fn statements(lines: &[Line<'_>]) -> Vec<(String, usize)> {
@@ -29,6 +34,11 @@ pub(super) fn statements(lines: &[Line<'_>]) -> Vec<(String, usize)> {
 
 fn is_comment(text: &str) -> bool {
     text.starts_with(['!', '/', '-'])
+}
+
+/// The beginning of a statement, for messages.
+pub(super) fn shown(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ").trim_end_matches(" ;").chars().take(60).collect()
 }
 
 /// Names of the programs that a statement calls or runs.

@@ -319,8 +319,11 @@ impl Job {
 fn harmless(word: &str) -> bool {
     let word = word.trim_end_matches(',');
     let group = |word: &str| word.len() > 2 && ["BC", "EC", "BP", "EX"].contains(&&word[..2]);
-    word.contains(['=', '#', '(', ')', '>', '<'])
-        || HARMLESS.contains(&word)
-        || (word.is_ascii() && group(word) && word[2..].bytes().all(|byte| byte.is_ascii_digit()))
-        || word.bytes().all(|byte| byte.is_ascii_digit() || byte == b'.')
+    // Another frame or tool than that of its position.
+    let other = ["UF#", "TL#", "USER#", "TOOL#"].iter().any(|list| word.starts_with(list));
+    !other
+        && (word.contains(['=', '#', '(', ')', '>', '<'])
+            || HARMLESS.contains(&word)
+            || (word.is_ascii() && group(word) && word[2..].bytes().all(|byte| byte.is_ascii_digit()))
+            || word.bytes().all(|byte| byte.is_ascii_digit() || byte == b'.'))
 }

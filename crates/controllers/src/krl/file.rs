@@ -17,6 +17,10 @@ const STILL: [&str; 12] =
     ["BOOL", "INT", "REAL", "CHAR", "RETURN", "WAIT", "SIGNAL", "ENUM", "STRUC", "EXT", "EXTFCT", "IMPORT"];
 /// No mode is set: the tool is on the robot.
 const ON_ROBOT: Active = [Reference::Identity, Reference::Identity, Reference::Identity];
+/// Keywords of the flow.
+const CONTROLS: [&str; 10] =
+    ["IF", "SWITCH", "ELSE", "CASE", "DEFAULT", "FOR", "WHILE", "LOOP", "REPEAT", "UNTIL"];
+
 pub(super) const MOTIONS: [&str; 7] = ["PTP", "LIN", "CIRC", "SPTP", "SLIN", "SCIRC", "SPL"];
 
 /// A motion to a name, or to something that is computed.
@@ -81,6 +85,9 @@ impl File {
 impl<'t> Reader<'t> {
     fn statement(&mut self, at: &mut Cursor<'t>) -> Result<(), ControllerError> {
         let Some(first) = at.peek_word().map(str::to_ascii_uppercase) else { return Ok(()) };
+        if CONTROLS.contains(&first.as_str()) {
+            self.inline(&mut at.clone(), &first);
+        }
         match first.as_str() {
             "IF" | "SWITCH" => self.both(|flow| flow.open(false)),
             "ELSE" | "CASE" | "DEFAULT" => self.both(Flow::branch),
@@ -210,6 +217,18 @@ impl<'t> Reader<'t> {
             _ => self.file.changed.push((name, line)),
         }
         Ok(())
+    }
+
+    /// A motion or a point behind a keyword, where the language has none.
+    fn inline(&mut self, at: &mut Cursor<'t>, name: &str) {
+        let line = at.peek().map_or(0, |token| token.line);
+        let from = self.file.odd.len();
+        at.word();
+        self.odd(at, name, line);
+        // Names alone are a condition.
+        if self.file.odd.last().is_some_and(|(.., literal)| !literal) {
+            self.file.odd.truncate(from);
+        }
     }
 
     /// A statement that is no motion: what a motion would have in it.

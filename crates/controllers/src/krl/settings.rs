@@ -48,13 +48,16 @@ impl<'t> Reader<'t> {
         at.take(b'#');
         let what = at.word().map(str::to_ascii_uppercase);
         let which = match what.as_deref() {
-            Some("BASE") => FRAME,
+            Some("BASE" | "EX_BASE") => FRAME,
             Some("TOOL") => TOOL,
             _ => return,
         };
         let list = if which == FRAME { "BASE_DATA" } else { "TOOL_DATA" };
         at.take(b',');
         let to = match at.number() {
+            Some((number, _)) if what.as_deref() == Some("EX_BASE") && at.take(b')') => {
+                self.on_kinematics(format!("EX_AX_DATA[{number:.0}].OFFSET"))
+            }
             Some((number, _)) if at.take(b')') => Reference::Named(format!("{list}[{number:.0}]")),
             _ => Reference::Unknown("its number is computed".into()),
         };
@@ -95,12 +98,46 @@ impl<'t> Reader<'t> {
                     let part = ["BASE_NO", "TOOL_NO", "LOAD_NO"][which];
                     Reference::Named(format!("{data}.{part}"))
                 }
+                Some("EK") if at.take(b'(') => self.kinematics(at),
                 Some(name) => Reference::Named(name.into()),
                 None => Reference::Unknown("its value is computed".into()),
             }
         };
         let ends = at.peek().is_none_or(|token| token.kind == Kind::End || token.is(b','));
         Ok(if ends { found } else { Reference::Unknown("its value is computed".into()) })
+    }
+
+    /// The arguments of `EK(MACHINE_DEF[2].ROOT,MACHINE_DEF[2].MECH_TYPE,BASE_DATA[3])`: the last is the frame in the axes of the external kinematics.
+    fn kinematics(&mut self, at: &mut Cursor<'t>) -> Reference {
+        let (mut last, mut plain) = (None, true);
+        while let Some(token) = at.peek().filter(|token| token.kind != Kind::End) {
+            if at.take(b')') {
+                break;
+            }
+            if token.kind == Kind::Word {
+                let mut whole = name(at).unwrap_or_default();
+                while at.take(b'.') {
+                    whole = format!("{whole}.{}", name(at).unwrap_or_default());
+                }
+                last = Some(whole);
+            } else {
+                plain &= token.is(b',');
+                at.at += 1;
+            }
+        }
+        match last.filter(|_| plain) {
+            Some(name) => self.on_kinematics(name),
+            None => Reference::Unknown("its value is computed".into()),
+        }
+    }
+
+    fn on_kinematics(&mut self, frame: String) -> Reference {
+        let name = format!("EK({frame})");
+        let value = Definition::Carried(Reference::Named(frame));
+        if !self.file.definitions.iter().any(|(other, _)| *other == name) {
+            self.file.definitions.push((name.clone(), value));
+        }
+        Reference::Named(name)
     }
 
     /// A frame without a name is that of the first line that sets its value.

@@ -317,11 +317,10 @@ fn work_object(node: &Node) -> Definition {
             "the robot holds the work object (robhold is TRUE), which is not compensated".into(),
         );
     }
-    if !fixed.is_word("TRUE") {
-        return Definition::Unusable("its user frame moves with another unit (ufprog is FALSE)".into());
-    }
     match (pose(user), pose(object)) {
-        (Some(user), Some(object)) => Definition::Value(user * object),
+        (Some(user), Some(object)) if fixed.is_word("TRUE") => Definition::Value(user * object),
+        // The user frame is in the axes of the mechanical unit (ufprog is FALSE).
+        (Some(user), Some(object)) => Definition::Carried(Reference::Value(user * object)),
         _ => computed(),
     }
 }

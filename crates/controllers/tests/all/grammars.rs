@@ -128,7 +128,7 @@ fn rapid_targets_may_span_lines_and_stand_in_arrays() {
     assert_eq!(names(&program), ["P10", "P20", "J{1}", "J{2}", "MoveL in line 16"]);
     let (frame, tool) = active(&program, "P10");
     assert_eq!((named(frame), named(tool)), ("WFIX", "TGRIP"));
-    assert!(program.definitions().get("WTURN").unwrap_err().contains("ufprog"));
+    assert!(program.definitions().get("WTURN").unwrap_err().contains("a unit that moves carries it"));
     let tool = program.definitions().get("TGRIP").unwrap().unwrap();
     assert!((tool.translation.z - 0.1).abs() < 1e-15);
     assert!(matches!(&program.points()[0].value, Value::Pose { branch: Branch::Abb([0, -1, 1, 0]), .. }));

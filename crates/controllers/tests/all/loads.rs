@@ -196,7 +196,7 @@ fn fanuc_payloads_are_changed_by_the_programs_that_are_called() {
         [
             known,
             known,
-            "GRIP is called in line 7, which changes PAYLOAD",
+            "the load of PAYLOAD[2] has no value in the files given",
             "FAR is called in line 10, which may change PAYLOAD (--with the program that is called)",
             known
         ]

@@ -9,5 +9,7 @@ mod counted;
 mod grammars;
 mod loads;
 mod programs;
+mod registers;
 mod statements;
 mod understood;
+mod units;

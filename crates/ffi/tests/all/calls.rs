@@ -105,6 +105,43 @@ fn commands_and_predictions_are_those_of_the_library_and_allocate_nothing() {
 }
 
 #[test]
+fn held_joints_stay_and_need_a_seed() {
+    let fit = loaded(&crate::fits::json(&crate::fits::elastic(&samples::seven())));
+    let made = |hold: u32| {
+        let mut options = unsafe { std::mem::zeroed::<truepose_options>() };
+        assert_eq!(unsafe { truepose_options_default(&mut options) }, TRUEPOSE_OK);
+        options.hold = hold;
+        let mut arm = null_mut();
+        let code = unsafe { truepose_arm_new(fit, &options, &mut arm) };
+        (code, arm)
+    };
+    let (code, arm) = made(1 << 2);
+    assert_eq!(code, TRUEPOSE_OK);
+    let seed = joints(3, 7);
+    let mut pose = truepose_pose::default();
+    unsafe {
+        assert_eq!(truepose_predict(arm, seed.as_ptr(), 7, null(), TRUEPOSE_TOOL, &mut pose), TRUEPOSE_OK);
+        let mut position = pose.position;
+        position[0] += 0.004;
+        let desired = truepose_target {
+            position,
+            quaternion: pose.quaternion,
+            has_orientation: 1,
+            target: TRUEPOSE_TOOL,
+        };
+        let mut q = seed.clone();
+        let at = q.as_mut_ptr();
+        assert_eq!(truepose_command(arm, &desired, null(), seed.as_ptr(), at, 7, null_mut()), TRUEPOSE_OK);
+        assert!(q[2].to_bits() == seed[2].to_bits() && (q[1] - seed[1]).abs() > 1e-6, "{q:?} {seed:?}");
+        let code = truepose_command(arm, &desired, null(), null(), at, 7, null_mut());
+        assert_eq!(code, TRUEPOSE_NOT_CONVERGED);
+        truepose_arm_free(arm);
+    }
+    assert_eq!(made(1 << 7).0, TRUEPOSE_ERROR_ARGUMENT);
+    unsafe { truepose_fit_free(fit) };
+}
+
+#[test]
 fn one_fit_serves_many_threads() {
     let fit = loaded(&crate::fits::json(&crate::fits::elastic(&samples::ur10()))) as usize;
     let run = || {

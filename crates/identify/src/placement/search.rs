@@ -52,15 +52,21 @@ impl Placement {
     /// # Errors
     /// When something was found from as many numbers as it has unknowns.
     pub fn checked(self) -> Result<Self, IdentifyError> {
-        match self.found.is_empty() || self.spare > 0 {
-            true => Ok(self),
-            false => Err(IdentifyError::Placement {
+        if self.found.is_empty() || self.spare > 0 {
+            return Ok(self);
+        }
+        let open = self.undetermined.iter().find(|open| !open.turn_of_tools_alone);
+        Err(match open {
+            Some(Undetermined { what, advice, .. }) => {
+                IdentifyError::Placement { what: what.clone(), why: advice.clone() }
+            }
+            None => IdentifyError::Placement {
                 what: self.found.join(", "),
                 why: "there are no more measured numbers than unknowns, so that any place fits: measure more poses, or declare \
                       what is known"
                     .into(),
-            }),
-        }
+            },
+        })
     }
 }
 

@@ -146,7 +146,7 @@ class Fit:
     def held_out(self) -> tuple[_Floats, _Floats, list[float], list[float]] | None: ...
     def residuals_of(self, data: Data) -> tuple[_Floats, _Floats]: ...
     def predict(self, data: Data) -> tuple[dict[str, Any], list[str]]: ...
-    def compensate(self, poses: Table) -> tuple[dict[str, Any], list[str]]: ...
+    def compensate(self, poses: Table, hold: list[str]) -> tuple[dict[str, Any], list[str]]: ...
     def export(
         self, format: str, style: str | None, target: str | None, urdf: str | None, hayati: bool, entries: int
     ) -> tuple[str, list[str]]: ...
@@ -277,10 +277,12 @@ def rewrite(
     measured: list[str],
     cad: list[str],
     external: list[tuple[str, str]],
+    work: list[tuple[str, str]],
     limit: float,
     mark: bool,
     leave: list[str],
     dry_run: bool,
+    offsets: bool,
     controller_base: _Pose | None,
     controller_flange: _Pose | None,
     start: list[float],

@@ -311,11 +311,13 @@ class Fit:
         payload: ArrayLike | None = None,
         com: ArrayLike = (0.0, 0.0, 0.0),
         channels: Mapping[str, ArrayLike] | None = None,
+        hold: Sequence[str] = (),
     ) -> Commands:
         """Joint commands that bring the real robot to desired poses.
 
         `poses`: positions n × 3 (with an optional `orientation`: quaternions, rotation vectors or matrices) or transforms n × 4 × 4, in the
         measurement frame; or a table with the headers of files. The search begins at `seed` (n × dof or dof). `target`: which point of the tool.
+        `hold`: joints that stay where `seed` (or the table) has them, such as a track.
         """
         columns = self._pose_columns(poses, orientation)
         if columns is None:
@@ -334,7 +336,7 @@ class Fit:
             for header, channel in (channels or {}).items():
                 columns[header] = each(header, channel, rows)
             core = table(columns, "poses")
-        found, said = self._core.compensate(core)
+        found, said = self._core.compensate(core, [str(name) for name in hold])
         warn(said)
         return Commands(
             found["q"],

@@ -46,6 +46,11 @@ class Rewritten:
         """What became of each point: ``corrected``, ``not significant`` or ``refused``."""
         return np.asarray(self.corrections["outcome"], dtype=np.str_)
 
+    @property
+    def offsets(self) -> list[dict[str, Any]]:
+        """Values of frames and tools that correct the points: name, kind, value (in the form of the language), points, RMS before and after in mm."""
+        return list(self.summary["offsets"])
+
     def save(self, path: Path) -> None:
         """Writes the program; of a folder all programs, to the same places in the folder `path`."""
         if self.folder is not None:
@@ -75,10 +80,12 @@ def rewrite(
     measured: Sequence[str] = (),
     cad: Sequence[str] = (),
     external: Mapping[str, str] | None = None,
+    work: Mapping[str, str] | None = None,
     limit: float = 10e-3,
     mark: bool = False,
     leave: Sequence[str] = (),
     dry_run: bool = False,
+    offsets: bool = False,
     controller_base: Place | None = None,
     controller_flange: Place | None = None,
     start: ArrayLike | None = None,
@@ -96,8 +103,9 @@ def rewrite(
     ending of the name); `frames`, `tools`: values of frames and tools by their names in the program, or one for points whose frame is not known;
     `taught`: frames and tools that were taught by touching with the uncorrected robot, with the file of the joints at which it was touched, or with that and the tool
     that touched; `measured`, `cad`: names of those that were measured, or are of a drawing; `external`: external axes of the program that are joints of the fit;
+    `work`: frames on a positioner, with the tool of the fit that is there;
     `limit`: largest correction, m; `mark`: points that cannot be compensated stay as they are (otherwise: InputError); `leave`: names of
-    points that do, with or without a value in the files; `dry_run`: all points do;
+    points that do, with or without a value in the files; `dry_run`: all points do; `offsets`: other values of frames and tools in `Rewritten.offsets`, in place of a program;
     `controller_base`, `controller_flange`: those of the controller in the robot description's; `start`: joint values before the program, rad or m;
     `payload`, `com`: load carried, kg, m; `channels`: values that the model reads; `ignore_external`: external axes move nothing; `turn_axes`: axes of
     FANUC's three turn numbers; `pulses`: pulses per degree (per mm) of each axis, for INFORM.
@@ -113,7 +121,8 @@ def rewrite(
     texts, found, summary, notes, refused = _core.rewrite(
         fit._core, os.fspath(program), [os.fspath(other) for other in others], language, _places("frames", frames), _places("tools", tools),
         touched, [str(name) for name in measured], [str(name) for name in cad], [(str(axis), str(joint)) for axis, joint in (external or {}).items()],
-        float(limit), mark, [str(name) for name in leave], dry_run, _six("controller_base", controller_base), _six("controller_flange", controller_flange), first, load,
+        [(str(name), str(tool)) for name, tool in (work or {}).items()],
+        float(limit), mark, [str(name) for name in leave], dry_run, offsets, _six("controller_base", controller_base), _six("controller_flange", controller_flange), first, load,
         [(str(name), float(value)) for name, value in (channels or {}).items()], ignore_external, list(turn_axes), list(pulses),
     )  # fmt: skip
     columns: dict[str, Any] = {name: found[name] for name in ("point", "line", "kind", "frame", "tool", "outcome", "reason")}

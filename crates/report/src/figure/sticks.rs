@@ -3,10 +3,13 @@
 use super::axes::frame;
 use std::fmt::Write;
 
-/// Lines (mm) with a point and arrows at each, around a middle; `factor` exaggerates the arrows.
+/// A line, how far its corners are displaced in a second one (or nothing), a point, and the arrows there, mm.
+pub(crate) type Drawn<'a> = (&'a [[f64; 3]], &'a [[f64; 3]], &'a [f64; 3], &'a [[f64; 3]]);
+
+/// Lines with a point and arrows at each, around a middle; `factor` exaggerates the arrows.
 pub(crate) fn sticks<'a>(
     about: &str,
-    list: impl Iterator<Item = (&'a [[f64; 3]], &'a [f64; 3], &'a [[f64; 3]])>,
+    list: impl Iterator<Item = Drawn<'a>>,
     middle: [f64; 3],
     size: f64,
     factor: f64,
@@ -21,7 +24,7 @@ pub(crate) fn sticks<'a>(
         (0.5 * SIDE + across * scale, 0.5 * SIDE - (z * height.cos() - depth * height.sin()) * scale)
     };
     let (mut body, mut arrows) = (String::new(), [String::new(), String::new()]);
-    for (k, (corners, point, errors)) in list.enumerate() {
+    for (k, (corners, moved, point, errors)) in list.enumerate() {
         let mut path = String::new();
         for (k, corner) in corners.iter().enumerate() {
             let (x, y) = project(corner);
@@ -29,6 +32,10 @@ pub(crate) fn sticks<'a>(
         }
         let strength = if k == 0 { 1.0 } else { 0.22 };
         let _ = write!(body, "<path class=\"ink curve\" opacity=\"{strength}\" d=\"{path}\"/>");
+        for (k, (corner, by)) in corners.iter().zip(moved).enumerate() {
+            let (x, y) = project(&[0, 1, 2].map(|a| corner[a] + factor * by[a]));
+            let _ = write!(arrows[1], "{}{x:.1} {y:.1}", if k == 0 { "M" } else { "L" });
+        }
         for (k, error) in errors.iter().enumerate() {
             let (from, to) = (project(point), project(&[0, 1, 2].map(|a| point[a] + factor * error[a])));
             // The last is the error after.

@@ -26,7 +26,7 @@ pub use identification::identification_report;
 pub use places::{
     MapView, PlaceView, PlanView, PlannedView, PredictionView, map_report, plan_report, prediction_report,
 };
-pub use program::{CorrectionView, ProgramView, program_report};
+pub use program::{CorrectionView, OffsetView, ProgramView, program_report};
 
 use crate::figure::{COLOURS, escape, standalone};
 use crate::{DataCheck, RunRecord};

@@ -1,7 +1,7 @@
 //! Pages of a map, a plan and a prediction.
 
 use super::commands::over_two_axes;
-use super::robot::{Stick, corners};
+use super::robot::{Stick, Words, corners};
 use super::{Page, Report};
 use crate::figure::{Plot, escape, quantile, thin};
 use crate::{PlanSummary, PositionStatistics, RunRecord, count, significant};
@@ -125,11 +125,17 @@ pub fn plan_report(view: &PlanView, chain: &Chain, data: &Dataset, run: &RunReco
     let stick = |row: usize| {
         let corners = corners(chain, data, row, &mut buffer);
         let point = corners.last().copied().unwrap_or_default();
-        Stick { corners, point, errors: Vec::new(), label: format!("pose measurement {}", row + 1) }
+        Stick {
+            corners,
+            point,
+            errors: Vec::new(),
+            moved: Vec::new(),
+            label: format!("pose measurement {}", row + 1),
+        }
     };
     let list: Vec<Stick> = (0..data.len()).map(stick).collect();
     page.section("Poses");
-    page.sticks(&list, &[], "Nominal robot in the measurement frame.");
+    page.sticks(&list, &[], &Words::of_poses(list.len()), "Nominal robot in the measurement frame.");
     let mut head = vec!["number"];
     head.extend(view.joints.iter().map(String::as_str));
     head.extend(["payload, kg", "why", "worth"]);

@@ -1,13 +1,17 @@
 //! The page of a compensated robot program: what became of every point.
 
 use super::commands::over_two_axes;
+use super::robot::{Stick, Words};
 use super::{Page, Report};
-use crate::figure::{Bar, Plot, bars, escape, quantile};
+use crate::figure::{Bar, Plot, bars, escape, quantile, thin};
 use crate::{RunRecord, count, significant};
 use serde::{Deserialize, Serialize};
 
 /// Outcome of points that stay at a singularity of the wrist.
 const SINGULAR: &str = "unchanged at a wrist singularity";
+
+/// Parts of a path that are drawn.
+const DRAWN: usize = 400;
 
 /// Corrections as the page shows them.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -25,10 +29,30 @@ pub struct ProgramView {
     /// Frames of its points about which nothing is stated: whether they were taught with the uncorrected robot.
     #[serde(default)]
     pub open_frames: Vec<String>,
+    /// Values of frames and tools that correct the points, in place of the program.
+    #[serde(default)]
+    pub offsets: Vec<OffsetView>,
     /// Statements of the program whose positions are not in it.
     pub notes: Vec<String>,
     /// One for each point, in the order of the file.
     pub points: Vec<CorrectionView>,
+}
+
+/// A frame or a tool with another value.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct OffsetView {
+    /// Its name in the program.
+    pub name: String,
+    /// `frame` or `tool`.
+    pub kind: String,
+    /// The value, in the form of the program's language.
+    pub value: Vec<(String, f64)>,
+    /// How many points it has.
+    pub points: usize,
+    /// Root mean square of their corrections, mm.
+    pub rms_before_mm: f64,
+    /// And of what remains.
+    pub rms_after_mm: f64,
 }
 
 /// One point; null where it is not known.
@@ -43,6 +67,12 @@ pub struct CorrectionView {
     pub line: usize,
     /// `pose` or `joints`.
     pub kind: String,
+    /// Its frame in the program; empty of joints.
+    #[serde(default)]
+    pub frame: String,
+    /// Its tool.
+    #[serde(default)]
+    pub tool: String,
     /// `corrected`, `not significant` or `refused`.
     pub outcome: String,
     /// Why, where it is not corrected.
@@ -51,6 +81,9 @@ pub struct CorrectionView {
     pub at_mm: Option<[f64; 3]>,
     /// Displacement of the point, axes of the robot's base, mm.
     pub displacement_mm: Option<[f64; 3]>,
+    /// The same in the axes of the measurement frame, mm.
+    #[serde(default)]
+    pub moved_mm: Option<[f64; 3]>,
     /// Its size, mm.
     pub correction_mm: Option<f64>,
     /// Rotation of the point, degrees.
@@ -107,7 +140,9 @@ pub fn program_report(view: &ProgramView, run: &RunRecord) -> Report {
         page.figure("outcomes", &bars("Points by outcome", &list, None), "Points by outcome.");
     }
     page.end_of_sheet();
+    offsets(&mut page, view);
     corrections(&mut page, view);
+    path(&mut page, view);
     frames(&mut page, view);
     refused(&mut page, view);
     listed(&mut page, view);
@@ -171,6 +206,112 @@ fn corrections(page: &mut Page, view: &ProgramView) {
     );
 }
 
+/// Values of frames and tools in place of the program.
+fn offsets(page: &mut Page, view: &ProgramView) {
+    if view.offsets.is_empty() {
+        return;
+    }
+    page.section("Offsets");
+    page.text("No program was written. These values of frames and tools correct their points as far as one value can; the rest remains at each point.");
+    let row = |offset: &OffsetView| {
+        let value: Vec<String> =
+            offset.value.iter().map(|(name, value)| format!("{name} {value:.4}")).collect();
+        let mut cells =
+            vec![offset.name.clone(), offset.kind.clone(), value.join(", "), offset.points.to_string()];
+        cells.extend([offset.rms_before_mm, offset.rms_after_mm].map(|v| significant(v, 3)));
+        cells
+    };
+    let rows: Vec<Vec<String>> = view.offsets.iter().map(row).collect();
+    let head = ["name", "kind", "value", "points", "RMS before, mm", "RMS after, mm"];
+    page.table("New values; RMS of the corrections before and after", &head, &rows, false);
+}
+
+/// The path before and after, and the corrections by frame and tool.
+fn path(page: &mut Page, view: &ProgramView) {
+    let mut groups: Vec<([&str; 2], Vec<f64>)> = Vec::new();
+    let mut sticks: Vec<(f64, Stick)> = Vec::new();
+    let mut last: Option<(&CorrectionView, [f64; 3])> = None;
+    for point in &view.points {
+        let Some(at) = point.at_mm else {
+            last = None;
+            continue;
+        };
+        let moved = |point: &CorrectionView| point.moved_mm.unwrap_or_default();
+        let size = point.correction_mm.unwrap_or(0.0);
+        let on = [point.frame.as_str(), point.tool.as_str()];
+        if point.correction_mm.is_some() {
+            match groups.iter_mut().find(|(other, _)| *other == on) {
+                Some((_, sizes)) => sizes.push(size),
+                None => groups.push((on, vec![size])),
+            }
+        }
+        let from = last.filter(|(other, _)| other.file == point.file);
+        let ends: Vec<(&CorrectionView, [f64; 3])> = from.into_iter().chain([(point, at)]).collect();
+        sticks.push((
+            size,
+            Stick {
+                corners: ends.iter().map(|(_, at)| *at).collect(),
+                moved: ends.iter().map(|(point, _)| moved(point)).collect(),
+                point: at,
+                errors: if size > 0.0 { vec![moved(point)] } else { Vec::new() },
+                label: match point.name.contains(" in line ") {
+                    true => point.name.clone(),
+                    false => format!("{}, line {}", point.name, place(view, point)),
+                },
+            },
+        ));
+        last = Some((point, at));
+    }
+    let count = sticks.len();
+    // The largest first; of a long program each of its parts.
+    let sizes: Vec<f64> = sticks.iter().map(|(size, _)| *size).collect();
+    let kept = thin(&sizes, DRAWN, |_| false);
+    let mut k = 0;
+    sticks.retain(|_| {
+        k += 1;
+        kept.contains(&(k - 1))
+    });
+    sticks.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let list: Vec<Stick> = sticks.into_iter().map(|(_, stick)| stick).collect();
+    if !list.iter().any(|stick| !stick.errors.is_empty()) {
+        return;
+    }
+    let drawn = if list.len() < count {
+        format!("{} of {count} points are drawn. ", list.len())
+    } else {
+        String::new()
+    };
+    let words = Words {
+        title: "The path before and after",
+        about: format!("The path of the tool through {}", crate::count(list.len(), "point")),
+        arrows: "corrections",
+        item: "point",
+        hint: "point at a place for its correction",
+    };
+    page.sticks(
+        &list,
+        &["correction"],
+        &words,
+        &format!(
+            "{drawn}The slider goes from the largest correction to the smallest. Desired positions of the tool of the measurements, measurement frame; the second line is the path of \
+             the compensated program, its displacement exaggerated as the arrows are."
+        ),
+    );
+    groups.sort_by(|a, b| quantile(b.1.clone(), 1.0).total_cmp(&quantile(a.1.clone(), 1.0)));
+    let shown = |name: &str| if name.is_empty() { "–".to_owned() } else { name.to_owned() };
+    let row = |([frame, tool], sizes): &([&str; 2], Vec<f64>)| {
+        let rms = (sizes.iter().map(|v| v * v).sum::<f64>() / sizes.len() as f64).sqrt();
+        let mut cells = vec![shown(frame), shown(tool), sizes.len().to_string()];
+        cells.extend(
+            [quantile(sizes.clone(), 1.0), quantile(sizes.clone(), 0.5), rms].map(|v| significant(v, 3)),
+        );
+        cells
+    };
+    let rows: Vec<Vec<String>> = groups.iter().map(row).collect();
+    let head = ["frame", "tool", "points", "largest, mm", "median, mm", "RMS, mm"];
+    page.table("Corrections by frame and tool, the largest first", &head, &rows, false);
+}
+
 /// What a frame that was taught does to its points.
 fn frames(page: &mut Page, view: &ProgramView) {
     if view.open_frames.is_empty() {
@@ -212,6 +353,7 @@ fn listed(page: &mut Page, view: &ProgramView) {
     let shown = |v: Option<f64>| v.map_or_else(String::new, |v| significant(v, 3));
     let row = |point: &CorrectionView| {
         let mut cells = vec![point.name.clone(), place(view, point), point.outcome.clone()];
+        cells.extend([&point.frame, &point.tool].map(Clone::clone));
         let parts = point.displacement_mm.map_or([None; 3], |d| d.map(Some));
         cells.extend(parts.map(|v| v.map_or_else(String::new, |v| format!("{v:.3}"))));
         cells.push(shown(point.correction_mm));
@@ -219,16 +361,23 @@ fn listed(page: &mut Page, view: &ProgramView) {
         cells.push(shown(point.within_95_mm));
         cells
     };
-    let rows: Vec<Vec<String>> = view.points.iter().take(LISTED).map(row).collect();
+    let mut points: Vec<&CorrectionView> = view.points.iter().collect();
+    points.sort_by(|a, b| b.correction_mm.unwrap_or(-1.0).total_cmp(&a.correction_mm.unwrap_or(-1.0)));
+    let rows: Vec<Vec<String>> = points.into_iter().take(LISTED).map(row).collect();
     let caption = if view.points.len() > LISTED {
-        format!("The first {LISTED} of {} points; the table beside the program has all", view.points.len())
+        format!(
+            "The {LISTED} largest corrections of {} points; the table beside the program has all",
+            view.points.len()
+        )
     } else {
-        "Points, rounded; the table beside the program has them in full precision".into()
+        "Points, the largest correction first, rounded; the table beside the program has them in full precision".into()
     };
     let head = [
         "point",
         "line",
         "outcome",
+        "frame",
+        "tool",
         "dx, mm",
         "dy, mm",
         "dz, mm",

@@ -32,7 +32,12 @@
       ctx.lineTo(to[0] - head * (dx + 0.5 * dy), to[1] - head * (dy - 0.5 * dx)); ctx.stroke();
     }
     ctx.lineJoin = ctx.lineCap = "round"; marks = [];
-    data.poses.forEach(function (pose, k) { if (k !== chosen) { ctx.globalAlpha = 0.13; ctx.strokeStyle = colour("--ink"); ctx.lineWidth = 2; line(pose.line); } });
+    data.poses.forEach(function (pose, k) { if (k !== chosen) { ctx.globalAlpha = pose.moved.length ? 0.4 : 0.13; ctx.strokeStyle = colour("--ink"); ctx.lineWidth = 2; line(pose.line); } });
+    data.poses.forEach(function (pose, k) {
+      if (!pose.moved.length) return;
+      ctx.globalAlpha = k === chosen ? 1 : 0.5; ctx.strokeStyle = colour("--after"); ctx.lineWidth = k === chosen ? 2.6 : 1.4;
+      line(pose.line.map(function (v, i) { return v + data.factor * pose.moved[i]; }));
+    });
     data.poses.forEach(function (pose, k) {
       var p = pose.at, from = at(p[0], p[1], p[2]), many = pose.errors.length / 3, words = [];
       for (var n = 0; n < many; n++) words.push(data.titles[n] + " " + Math.hypot(pose.errors[3 * n], pose.errors[3 * n + 1], pose.errors[3 * n + 2]).toPrecision(3) + " mm");

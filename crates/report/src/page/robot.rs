@@ -19,7 +19,34 @@ pub(crate) struct Stick {
     pub point: [f64; 3],
     /// Errors before and after; empty without measurements.
     pub errors: Vec<[f64; 3]>,
+    /// How far each corner is displaced, in a second line; empty without one.
+    pub moved: Vec<[f64; 3]>,
     pub label: String,
+}
+
+/// What the picture shows, in words.
+pub(crate) struct Words {
+    pub title: &'static str,
+    /// Without a full stop.
+    pub about: String,
+    /// Of the arrows.
+    pub arrows: &'static str,
+    /// One of the slider's.
+    pub item: &'static str,
+    pub hint: &'static str,
+}
+
+impl Words {
+    /// Of a robot at so many poses.
+    pub fn of_poses(number: usize) -> Words {
+        Words {
+            title: "The robot at its poses",
+            about: format!("The robot at {}", count(number, "pose")),
+            arrows: "position errors",
+            item: "pose",
+            hint: "point at the end of an arm for its errors",
+        }
+    }
 }
 
 /// Corners of the nominal robot under the conditions of a row, mm.
@@ -57,6 +84,7 @@ impl Page {
             corners: corners(chain, data, rows.row[k], &mut buffer),
             point: rows.place[k],
             errors: if rows.same { vec![rows.after[k]] } else { vec![rows.before[k], rows.after[k]] },
+            moved: Vec::new(),
             label: format!("pose measurement {}, row {}", rows.visit[k], rows.row[k] + 1),
         };
         let list: Vec<Stick> = drawn.iter().map(stick).collect();
@@ -69,12 +97,13 @@ impl Page {
         self.sticks(
             &list,
             &shown,
+            &Words::of_poses(list.len()),
             &format!("{note}Nominal robot in the measurement frame, without the shape of its links."),
         );
     }
 
     /// Stick figures; `titles` are those of the arrows.
-    pub(crate) fn sticks(&mut self, list: &[Stick], titles: &[&str], note: &str) {
+    pub(crate) fn sticks(&mut self, list: &[Stick], titles: &[&str], words: &Words, note: &str) {
         let all = || list.iter().flat_map(|stick| &stick.corners).copied();
         let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
         for corner in all() {
@@ -93,37 +122,40 @@ impl Page {
         let factor = if largest > 0.0 { round_down(2.0 * ARROW * size / largest) } else { 0.0 };
         let arrows = if largest > 0.0 {
             format!(
-                "; arrows: position errors × {}, largest {} mm",
+                "; arrows: {} × {}, largest {} mm",
+                words.arrows,
                 significant(factor, 1),
                 significant(largest, 3)
             )
         } else {
             String::new()
         };
-        let about = format!("The robot at {}{arrows}", count(list.len(), "pose"));
+        let about = format!("{}{arrows}", words.about);
         let flat =
             |points: &[[f64; 3]]| -> Vec<f64> { points.iter().flatten().map(|v| rounded(*v)).collect() };
         let data = serde_json::json!({
             "titles": titles,
             "poses": list.iter().map(|stick| serde_json::json!({
-                "line": flat(&stick.corners), "at": flat(&[stick.point]), "errors": flat(&stick.errors), "name": stick.label,
+                "line": flat(&stick.corners), "at": flat(&[stick.point]), "errors": flat(&stick.errors), "moved": flat(&stick.moved), "name": stick.label,
             })).collect::<Vec<_>>(),
             "factor": factor, "size": rounded(size), "middle": middle.map(rounded), "words": about,
         });
         let data = data.to_string().replace('<', "\\u003c");
-        self.title("The robot at its poses");
+        self.title(words.title);
         let chosen = list.len() - 1;
         self.raw(&format!(
             "<figure><canvas id=\"robot\" width=\"1040\" height=\"620\" tabindex=\"0\" role=\"img\" aria-label=\"{}\"></canvas>\
-             <div class=\"bar\"><label>pose <input type=\"range\" id=\"robot-pose\" min=\"0\" max=\"{chosen}\" value=\"0\"></label> <output id=\"robot-name\"></output></div>\
-             <figcaption>{} Drag, or use the arrow keys, to rotate; point at the end of an arm for its errors. <a href=\"robot.svg\">robot.svg</a></figcaption></figure>\
+             <div class=\"bar\"><label>{} <input type=\"range\" id=\"robot-pose\" min=\"0\" max=\"{chosen}\" value=\"0\"></label> <output id=\"robot-name\"></output></div>\
+             <figcaption>{} Drag, or use the arrow keys, to rotate; {}. <a href=\"robot.svg\">robot.svg</a></figcaption></figure>\
              <script type=\"application/json\" id=\"robot-data\">{data}</script>",
             escape(&about),
-            escape(&format!("{about}. {note}"))
+            words.item,
+            escape(&format!("{about}. {note}")),
+            words.hint
         ));
         let svg = sticks(
             &about,
-            list.iter().map(|stick| (&stick.corners[..], &stick.point, &stick.errors[..])),
+            list.iter().map(|stick| (&stick.corners[..], &stick.moved[..], &stick.point, &stick.errors[..])),
             middle,
             size,
             factor,

@@ -1,49 +1,42 @@
 //! `compensate --program BACKUP/ --out NEW/`: every program of a controller's backup, with its frames, tools and loads.
 
 use super::asked::{Asked, Files};
+use super::backup::{Backup, backup};
 use super::rewriting::{Rewritten, RewrittenFile, rewritten};
-use super::{LISTED, fitted, table_of, tally};
+use super::{LISTED, fitted, offsets, table_of, tally};
 use crate::args::Compensate;
 use crate::failure::Failure;
 use crate::terminal;
 use crate::verbs::print_json;
 use crate::verbs::reporting::Folder;
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use truepose_controllers::{Dialect, Program, Role, linked};
 use truepose_errormodel::FittedModel;
-use truepose_io::{WholeFiles, corrections_file, make_folder, read_bytes};
+use truepose_io::{WholeFiles, check_writable, corrections_file, make_folder};
 use truepose_report::{ProgramView, count, program_report};
-
-/// Folders in folders, at most.
-const DEEPEST: usize = 16;
-
-/// The files of a backup.
-#[derive(Debug, Default)]
-struct Backup {
-    /// Those of each program, which are compensated together.
-    programs: Vec<Vec<PathBuf>>,
-    tables: Vec<PathBuf>,
-    /// Programs that are not read, and why.
-    refused: Vec<(PathBuf, String)>,
-    /// Programs without a motion and without a point.
-    still: Vec<PathBuf>,
-    /// No programs.
-    others: Vec<PathBuf>,
-}
 
 /// Runs it.
 pub(super) fn run(args: &Compensate, from: &Path) -> Result<(), Failure> {
     if args.robot_program.offsets {
-        return Err(Failure::Input("--offsets: one program is needed, not a folder".into()));
+        check_writable(&args.out)?;
+    } else {
+        apart(from, &args.out)?;
     }
-    apart(from, &args.out)?;
     let page = Folder::with_head(args.report.as_ref(), "compensation.json", args.certificate.as_ref())?;
     let fitted = fitted(args)?;
     let own = &args.robot_program;
     let asked = Asked { own, frame: &args.frame, tcp: &args.tcp, frames: args.frames.as_deref() };
     let (made, backup) = compensated(&fitted, from, &asked)?;
     let short = |path: &Path| path.strip_prefix(from).unwrap_or(path).to_path_buf();
+    if own.offsets {
+        let all = joined(from, made, &short)?;
+        let inputs: Vec<&Path> =
+            backup.programs.iter().flatten().chain(&backup.tables).map(PathBuf::as_path).collect();
+        offsets::write(args, &all, page.as_ref(), &[&[&*args.fit], &inputs[..]].concat())?;
+        if !args.json {
+            refusals(&backup, &short).iter().for_each(|line| terminal::print(&format!("{line}\n")));
+        }
+        return complete(&backup, "in no offset");
+    }
     let view = merged(from, &made, &short);
     let mut files = WholeFiles::default();
     let mut inputs: Vec<&Path> = vec![&args.fit];
@@ -69,12 +62,17 @@ pub(super) fn run(args: &Compensate, from: &Path) -> Result<(), Failure> {
         true => print_json(&view)?,
         false => summary(args, &made, &backup, &short),
     }
+    complete(&backup, "not written")
+}
+
+/// Whether all programs are compensated.
+fn complete(backup: &Backup, what: &str) -> Result<(), Failure> {
     match backup.refused.len() {
         0 => Ok(()),
         refused => {
             let programs = count(refused, "program");
             Err(Failure::Criterion(format!(
-                "{programs} cannot be compensated and {} not written",
+                "{programs} cannot be compensated and {} {what}",
                 if refused == 1 { "is" } else { "are" }
             )))
         }
@@ -91,8 +89,8 @@ fn compensated(
     backup.tables.extend(asked.own.with.iter().map(|file| file.to_path_buf()));
     let mut made: Vec<Rewritten> = Vec::new();
     for files in &backup.programs {
-        let tables: Vec<&Path> =
-            backup.tables.iter().filter(|table| !files.contains(table)).map(PathBuf::as_path).collect();
+        let tables = backup.tables.iter().filter(|table| !files.contains(table)).map(PathBuf::as_path);
+        let tables: Vec<&Path> = tables.chain(backup.called_by(files)).collect();
         let of = Files { own: files.iter().map(PathBuf::as_path).collect(), tables };
         match rewritten(fitted, &of, asked) {
             Ok(Some(program)) => made.push(program),
@@ -112,14 +110,26 @@ fn compensated(
 pub(crate) fn whole(fitted: &FittedModel, from: &Path, asked: &Asked<'_>) -> Result<Rewritten, Failure> {
     let (made, backup) = compensated(fitted, from, asked)?;
     let short = |path: &Path| path.strip_prefix(from).unwrap_or(path).to_path_buf();
-    Ok(Rewritten {
-        view: merged(from, &made, &short),
-        notes: notes(&made, &short),
-        files: made.into_iter().flat_map(|program| program.files).collect(),
-        refused: backup.refused.into_iter().map(|(file, words)| (file, 0, words)).collect(),
-        unused: Vec::new(),
-        offsets: Vec::new(),
-    })
+    let mut all = joined(from, made, &short)?;
+    all.refused = backup.refused.into_iter().map(|(file, words)| (file, 0, words)).collect();
+    Ok(all)
+}
+
+/// Programs as one, with the offsets of all of them where they are asked for.
+fn joined(from: &Path, made: Vec<Rewritten>, short: &dyn Fn(&Path) -> PathBuf) -> Result<Rewritten, Failure> {
+    let mut all =
+        Rewritten { view: merged(from, &made, short), notes: notes(&made, short), ..Rewritten::default() };
+    let asked = made.iter().any(|program| !program.gathered.is_empty());
+    for program in made {
+        let name = program.files.first().map(|part| short(&part.file).display().to_string());
+        all.gathered.join(program.gathered, all.labels.len(), &name.unwrap_or_default());
+        all.labels.extend(program.labels);
+        all.files.extend(program.files);
+    }
+    if asked {
+        offsets::fill(&mut all, &|file| short(file).display().to_string())?;
+    }
+    Ok(all)
 }
 
 /// The new folder has to be another one, outside of the backup.
@@ -139,113 +149,6 @@ fn apart(from: &Path, out: &Path) -> Result<(), Failure> {
     match to.starts_with(&from) || from.starts_with(&to) {
         true => refused("is in the folder of --program, or that folder is in it; name another one"),
         false => Ok(()),
-    }
-}
-
-/// All files of a folder and of those in it, in order of their names.
-fn walk(folder: &Path, depth: usize, all: &mut Vec<PathBuf>) -> Result<(), Failure> {
-    let unread = |error: std::io::Error| Failure::Input(format!("{}: {error}", folder.display()));
-    let mut entries: Vec<PathBuf> = Vec::new();
-    for entry in std::fs::read_dir(folder).map_err(unread)? {
-        entries.push(entry.map_err(unread)?.path());
-    }
-    entries.sort();
-    for path in entries {
-        // A link to a folder may lead back.
-        if path.symlink_metadata().is_ok_and(|found| found.is_dir()) {
-            if depth == DEEPEST {
-                return Err(Failure::Input(format!("{}: its folders are too deep", path.display())));
-            }
-            walk(&path, depth + 1, all)?;
-        } else if path.is_file() {
-            all.push(path);
-        }
-    }
-    Ok(())
-}
-
-fn backup(folder: &Path, language: Option<Dialect>) -> Result<Backup, Failure> {
-    let mut all = Vec::new();
-    walk(folder, 0, &mut all)?;
-    let mut found: Vec<Dialect> = Vec::new();
-    for dialect in all.iter().filter_map(|file| Dialect::of_file(file).ok()) {
-        if !found.contains(&dialect) {
-            found.push(dialect);
-        }
-    }
-    let dialect = match (language, &found[..]) {
-        (Some(dialect), _) => dialect,
-        (None, [dialect]) => *dialect,
-        (None, []) => {
-            return Err(Failure::Input(format!("{}: there is no robot program in it", folder.display())));
-        }
-        (None, several) => {
-            let words: Vec<&str> = several.iter().map(|dialect| dialect.word()).collect();
-            return Err(Failure::Input(format!(
-                "{}: it has programs of several languages ({}); name one with --language",
-                folder.display(),
-                words.join(", ")
-            )));
-        }
-    };
-    let mut backup = Backup::default();
-    let mut programs = Vec::new();
-    for file in all {
-        let text = read_bytes(&file)?;
-        match dialect.role(&file, &text) {
-            Role::Program => programs.push((file, text)),
-            Role::Table => backup.tables.push(file),
-            Role::Other => backup.others.push(file),
-        }
-    }
-    match dialect {
-        Dialect::Krl => pairs(programs, &mut backup),
-        Dialect::Rapid => tasks(programs, &mut backup),
-        _ => backup.programs = programs.into_iter().map(|(file, _)| vec![file]).collect(),
-    }
-    Ok(backup)
-}
-
-/// KRL: `.src` and `.dat` of one name in one folder.
-fn pairs(programs: Vec<(PathBuf, Vec<u8>)>, backup: &mut Backup) {
-    let mut pairs: BTreeMap<String, Vec<PathBuf>> = BTreeMap::new();
-    for (file, _) in programs {
-        pairs.entry(file.with_extension("").to_string_lossy().to_lowercase()).or_default().push(file);
-    }
-    for mut pair in pairs.into_values() {
-        pair.sort_by_key(|file| file.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("dat")));
-        backup.programs.push(pair);
-    }
-}
-
-/// RAPID: the modules of a task use the points of each other; those that do are one program.
-fn tasks(programs: Vec<(PathBuf, Vec<u8>)>, backup: &mut Backup) {
-    let mut tasks: BTreeMap<PathBuf, Vec<(PathBuf, Vec<u8>)>> = BTreeMap::new();
-    for (file, text) in programs {
-        let is_task = |folder: &&Path| {
-            folder.file_name().is_some_and(|name| name.to_string_lossy().to_lowercase().starts_with("task"))
-        };
-        let task = file.ancestors().find(is_task).or(file.parent()).map(Path::to_path_buf);
-        // One that is not read is none of the others' files.
-        match Program::read(&text, &[], Dialect::Rapid) {
-            Ok(_) => tasks.entry(task.unwrap_or_default()).or_default().push((file, text)),
-            Err(error) => backup.refused.push((file.clone(), format!("{}:{error}", file.display()))),
-        }
-    }
-    for modules in tasks.into_values() {
-        let texts: Vec<&[u8]> = modules.iter().map(|(_, text)| text.as_slice()).collect();
-        let Ok(read) = Program::read_all(&texts, Dialect::Rapid) else { continue };
-        let groups = linked(&read);
-        let files = |group: &Vec<usize>| group.iter().map(|&k| modules[k].0.clone()).collect();
-        backup.programs.extend(groups.iter().map(files));
-        for (k, (file, text)) in modules.iter().enumerate() {
-            let text = String::from_utf8_lossy(text).to_lowercase();
-            if ["tooldata", "wobjdata", "loaddata"].iter().any(|word| text.contains(word)) {
-                backup.tables.push(file.clone());
-            } else if !groups.iter().flatten().any(|&other| other == k) {
-                backup.still.push(file.clone());
-            }
-        }
     }
 }
 

@@ -1,12 +1,14 @@
 //! `truepose compensate --program`: a robot program with compensated points.
 
 mod asked;
+mod backup;
 mod folder;
 mod offsets;
 mod outputs;
 mod places;
 mod rewriting;
 mod rows;
+mod single;
 mod statements;
 mod taught;
 
@@ -21,7 +23,8 @@ use crate::verdict::usable;
 pub(crate) use asked::Asked;
 pub(crate) use folder::whole;
 use outputs::outputs;
-pub(crate) use rewriting::{Rewritten, rewrite};
+pub(crate) use rewriting::Rewritten;
+pub(crate) use single::rewrite;
 use std::path::{Path, PathBuf};
 use truepose_controllers::Outcome;
 use truepose_errormodel::FittedModel;
@@ -50,8 +53,16 @@ pub fn run(args: &Compensate, file: &Path, read: &[NamedFile]) -> Result<(), Fai
     let own = &args.robot_program;
     let asked = Asked { own, frame: &args.frame, tcp: &args.tcp, frames: args.frames.as_deref() };
     let made = rewrite(&fitted, file, &asked)?;
+    let inputs = [Some(&args.fit), own.program.as_ref(), args.frames.as_ref(), args.certificate.as_ref()];
+    let inputs: Vec<&Path> = inputs
+        .into_iter()
+        .flatten()
+        .chain(&own.with)
+        .chain(own.taught.iter().map(|taught| &taught.file))
+        .map(|file| &**file)
+        .collect();
     if own.offsets {
-        return offsets::write(args, &made.offsets, &made.notes, &made.view.language);
+        return offsets::write(args, &made, folder.as_ref(), &inputs);
     }
     let outputs = outputs(&args.out, &made.files, read)?;
     let mut files = WholeFiles::default();
@@ -60,14 +71,6 @@ pub fn run(args: &Compensate, file: &Path, read: &[NamedFile]) -> Result<(), Fai
         files.push(corrections_file(table_of(out), fitted.chain(), &part.rows)?)?;
     }
     if let Some(folder) = &folder {
-        let inputs = [Some(&args.fit), own.program.as_ref(), args.frames.as_ref(), args.certificate.as_ref()];
-        let inputs: Vec<&Path> = inputs
-            .into_iter()
-            .flatten()
-            .chain(&own.with)
-            .chain(own.taught.iter().map(|taught| &taught.file))
-            .map(|file| &**file)
-            .collect();
         folder.add(&mut files, &made.view, &inputs, |run| Ok(program_report(&made.view, run)))?;
     }
     for line in &made.notes {

@@ -1,81 +1,99 @@
 //! Corrections as other values of frames and tools.
 
-use super::rows::{Part, short};
+use super::rewriting::Rewritten;
 use crate::args::Compensate;
 use crate::failure::Failure;
 use crate::terminal;
 use crate::verbs::print_json;
-use std::path::PathBuf;
-use truepose_controllers::{CorrectOptions, Correction, Offset, Orientation, Program, Remaining, offsets};
+use crate::verbs::reporting::Folder;
+use std::path::{Path, PathBuf};
+use truepose_controllers::{Dialect, Offset, Orientation, Remaining};
 use truepose_io::{OffsetRow, WholeFiles, check_writable, offsets_files};
-use truepose_report::{count, millimetres};
+use truepose_report::{OffsetView, count, millimetres, program_report};
 
-/// The offsets of a program's points; what none improves is noted.
-pub(super) fn rows(
-    parts: &[Part<'_>],
-    programs: &[Program],
-    corrections: &[Vec<Correction>],
-    options: &CorrectOptions,
-    notes: &mut Vec<String>,
-) -> Result<Vec<OffsetRow>, Failure> {
-    let (found, refused) = offsets(&programs[..parts.len()], corrections, options)
-        .map_err(|error| Failure::Input(error.to_string()))?;
-    if found.is_empty() {
+fn dialect(made: &Rewritten) -> Option<Dialect> {
+    Dialect::ALL.into_iter().find(|one| one.word() == made.view.language)
+}
+
+/// Makes the offsets of what was gathered; what none improves is noted.
+pub(super) fn fill(made: &mut Rewritten, named: &dyn Fn(&Path) -> String) -> Result<(), Failure> {
+    let (found, refused) = std::mem::take(&mut made.gathered).offsets();
+    let Some(dialect) = dialect(made).filter(|_| !found.is_empty()) else {
         let none = "nothing is written: no offset of a frame or a tool improves the points".to_owned();
         return Err(Failure::Input([refused, vec![none]].concat().join("\n")));
-    }
-    notes.extend(refused);
+    };
+    made.view.notes.extend(refused.iter().cloned());
+    made.notes.extend(refused);
     let point = |at: &Remaining| {
-        let part = &parts[at.point.0];
-        let point = &part.program.points()[at.point.1];
-        (short(part.file), point.name.clone(), point.line, [at.before, at.after])
+        let labels = &made.labels[at.point.0];
+        let (name, line) = labels.points[at.point.1].clone();
+        (named(&labels.file), name, line, [at.before, at.after])
     };
     let one = |offset: &Offset| OffsetRow {
         name: offset.name.clone(),
         tool: offset.tool,
-        numbers: offset.numbers(&programs[0]),
+        numbers: offset.numbers(dialect),
         rms: offset.rms(),
         points: offset.points.iter().map(point).collect(),
     };
-    Ok(found.iter().map(one).collect())
+    made.offsets = found.iter().map(one).collect();
+    let names = numbers(dialect);
+    let shown = |row: &OffsetRow| OffsetView {
+        name: row.name.clone(),
+        kind: if row.tool { "tool" } else { "frame" }.into(),
+        value: names.iter().zip(&row.numbers).map(|(name, value)| ((*name).into(), *value)).collect(),
+        points: row.points.len(),
+        rms_before_mm: 1e3 * row.rms[0],
+        rms_after_mm: 1e3 * row.rms[1],
+    };
+    made.view.offsets = made.offsets.iter().map(shown).collect();
+    Ok(())
 }
 
-/// Writes their tables.
+fn numbers(dialect: Dialect) -> &'static [&'static str] {
+    match dialect.orientation() {
+        Orientation::Abc => &["X", "Y", "Z", "A", "B", "C"],
+        Orientation::Quaternion => &["x", "y", "z", "q1", "q2", "q3", "q4"],
+        Orientation::Wpr => &["X", "Y", "Z", "W", "P", "R"],
+        _ => &["x", "y", "z", "rx", "ry", "rz"],
+    }
+}
+
+/// Where what remains at each point is written.
+pub(super) fn points_of(out: &Path) -> PathBuf {
+    let mut points = out.as_os_str().to_owned();
+    points.push(".points.csv");
+    points.into()
+}
+
+/// Writes their tables, and the page.
 pub(super) fn write(
     args: &Compensate,
-    rows: &[OffsetRow],
-    notes: &[String],
-    language: &str,
+    made: &Rewritten,
+    page: Option<&Folder>,
+    inputs: &[&Path],
 ) -> Result<(), Failure> {
-    let mut points = args.out.as_os_str().to_owned();
-    points.push(".points.csv");
-    let points = PathBuf::from(points);
+    let points = points_of(&args.out);
     check_writable(&points)?;
-    let language = truepose_controllers::Dialect::ALL.into_iter().find(|one| one.word() == language);
-    let names = match language.map(|language| language.orientation()) {
-        Some(Orientation::Abc) => &["X", "Y", "Z", "A", "B", "C"][..],
-        Some(Orientation::Quaternion) => &["x", "y", "z", "q1", "q2", "q3", "q4"],
-        Some(Orientation::Wpr) => &["X", "Y", "Z", "W", "P", "R"],
-        _ => &["x", "y", "z", "rx", "ry", "rz"],
-    };
+    let names = dialect(made).map_or(&[][..], numbers);
     let mut files = WholeFiles::default();
-    for file in offsets_files([&args.out, &points], names, rows)? {
+    for file in offsets_files([&args.out, &points], names, &made.offsets)? {
         files.push(file)?;
     }
-    for line in notes {
+    if let Some(page) = page {
+        page.add(&mut files, &made.view, inputs, |run| Ok(program_report(&made.view, run)))?;
+    }
+    for line in &made.notes {
         terminal::log(&format!("note: {line}"));
     }
     files.finish()?;
-    if args.json {
-        let one = |row: &OffsetRow| {
-            serde_json::json!({
-                "name": row.name, "kind": if row.tool { "tool" } else { "frame" }, "value": row.numbers, "points": row.points.len(),
-                "rms_before_mm": 1e3 * row.rms[0], "rms_after_mm": 1e3 * row.rms[1],
-            })
-        };
-        return print_json(&rows.iter().map(one).collect::<Vec<_>>());
+    if let Some(page) = page {
+        terminal::log(&format!("wrote {}", page.page().display()));
     }
-    for row in rows {
+    if args.json {
+        return print_json(&made.view.offsets);
+    }
+    for row in &made.offsets {
         let [before, after] = row.rms.map(millimetres);
         terminal::print(&format!(
             "{} {}: {}: {before} RMS before, {after} with the value in {}\n",

@@ -45,6 +45,7 @@ pub(super) fn options(
         channels: own.channel.clone(),
         limit: own.limit,
         external: own.external.clone(),
+        work: own.work.clone(),
         taught: taught(asked, fitted)?,
         stated: own.measured.iter().chain(&own.cad).cloned().collect(),
         ignore_external: own.ignore_external,

@@ -1,11 +1,13 @@
 //! The files of a robot program with compensated points.
 
 use super::asked::{Asked, Files};
-use super::rows::{Part, rows, view};
-use super::{LISTED, offsets, places, statements, taught};
+use super::rows::{Labels, Part, rows, short, view};
+use super::{LISTED, places, statements, taught};
 use crate::failure::Failure;
 use std::path::{Path, PathBuf};
-use truepose_controllers::{ControllerError, Correction, Dialect, Outcome, Program, correct_all, unused};
+use truepose_controllers::{
+    ControllerError, Correction, Dialect, Gathered, Outcome, Program, correct_all, gathered, unused,
+};
 use truepose_errormodel::FittedModel;
 use truepose_io::{CorrectionRow, OffsetRow, read_bytes};
 use truepose_report::{ProgramView, count};
@@ -22,7 +24,7 @@ pub(crate) struct RewrittenFile {
 }
 
 /// A program with compensated points.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(crate) struct Rewritten {
     /// The program, then the further files that have points of it.
     pub files: Vec<RewrittenFile>,
@@ -34,30 +36,15 @@ pub(crate) struct Rewritten {
     pub notes: Vec<String>,
     /// Names of options that it does not have, and in words.
     pub unused: Vec<(String, String)>,
-    /// The corrections as other values of frames and tools, where they are asked for.
+    /// Its points by what other value of a frame or a tool would correct them, where that is asked for.
+    pub gathered: Gathered,
+    /// Of each of its files those points.
+    pub labels: Vec<Labels>,
+    /// The corrections as other values of frames and tools, likewise.
     pub offsets: Vec<OffsetRow>,
 }
 
-/// Rewrites the program of a file, and the further files that have points of it. `fitted` is that of the robot alone, in one session.
-pub(crate) fn rewrite(fitted: &FittedModel, file: &Path, asked: &Asked<'_>) -> Result<Rewritten, Failure> {
-    let own = std::iter::once(file).chain(asked.own.with.iter().map(AsRef::as_ref)).collect();
-    let made = rewritten(fitted, &Files { own, tables: Vec::new() }, asked)?;
-    let mut made = made.ok_or_else(|| {
-        Failure::Input(format!(
-            "{}: nothing to compensate: no point has a value in the files given; add the file that has them (--with FILE)",
-            file.display()
-        ))
-    })?;
-    let unused = made.unused.iter().map(|(_, words)| words.clone()).collect::<Vec<_>>();
-    if let Some(words) = unused.iter().find(|words| words.starts_with("--leave")) {
-        return Err(Failure::Input(words.clone()));
-    }
-    made.view.notes.splice(..0, unused.iter().cloned());
-    made.notes.splice(..0, unused);
-    Ok(made)
-}
-
-/// The same with the files told apart; none where no point has a value.
+/// Rewrites the files of a program; none where no point has a value.
 pub(super) fn rewritten(
     fitted: &FittedModel,
     files: &Files<'_>,
@@ -124,12 +111,16 @@ pub(super) fn rewritten(
     let mut stated = statements::statements(fitted, &parts, &options);
     let mut view = view(fitted, &parts, own.dry_run, taught::open(&parts, &options));
     view.notes.extend(stated.iter().cloned());
+    stated.extend(kept(&paths[parts.len()..], &programs[parts.len()..]));
     stated.extend(notes(&parts, &own.leave));
-    let offsets = match own.offsets {
-        true => offsets::rows(&parts, &programs, &corrections, &options, &mut stated)?,
-        false => Vec::new(),
+    let gathered = match own.offsets {
+        true => {
+            gathered(&programs[..parts.len()], &corrections, &options).map_err(|error| about(file, error))?
+        }
+        false => Gathered::default(),
     };
-    Ok(Some(Rewritten { files, view, refused, notes: stated, unused, offsets }))
+    let labels = parts.iter().map(Labels::of).collect();
+    Ok(Some(Rewritten { files, view, refused, notes: stated, unused, gathered, labels, offsets: Vec::new() }))
 }
 
 /// Whether nothing is compensated, and something is refused: the program would be the one that was read.
@@ -198,6 +189,22 @@ fn refusals(parts: &[Part<'_>], leave: &[String]) -> Vec<(PathBuf, usize, String
         all.extend(lines.into_iter().map(|(line, words)| (part.file.to_path_buf(), line, words)));
     }
     all
+}
+
+/// Points of tables to which the program goes: they are those of other programs, too.
+fn kept(paths: &[&Path], programs: &[Program]) -> Vec<String> {
+    let one = |(path, program): (&&Path, &Program)| {
+        let reached = program.points().iter().zip(program.reached()).filter(|(_, reached)| *reached);
+        let names: Vec<&str> = reached.map(|(point, _)| point.name.as_str()).collect();
+        (!names.is_empty()).then(|| {
+            format!(
+                "motions go to points of {}, which stay as they are, as other programs may use them: {}",
+                short(path),
+                names.join(", ")
+            )
+        })
+    };
+    paths.iter().zip(programs).filter_map(one).collect()
 }
 
 fn notes(parts: &[Part<'_>], leave: &[String]) -> Vec<String> {

@@ -1,10 +1,12 @@
 //! Corrections as tables, pages and JSON have them.
 
 use crate::verbs::joint_units::{in_units, joint_names};
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use truepose_compensate::installation;
 use truepose_controllers::{Correction, Point, Program, Value};
 use truepose_errormodel::FittedModel;
 use truepose_io::CorrectionRow;
+use truepose_kinematics::nalgebra::Vector3;
 use truepose_report::{CorrectionView, ProgramView};
 
 /// A file of the program, with what became of its points.
@@ -17,6 +19,20 @@ pub(super) struct Part<'a> {
     pub(super) own: &'a [bool],
 }
 
+/// Names and lines of a file's points.
+#[derive(Debug)]
+pub(crate) struct Labels {
+    pub(super) file: PathBuf,
+    pub(super) points: Vec<(String, usize)>,
+}
+
+impl Labels {
+    pub(super) fn of(part: &Part<'_>) -> Labels {
+        let points = part.program.points().iter().map(|point| (point.name.clone(), point.line));
+        Labels { file: part.file.into(), points: points.collect() }
+    }
+}
+
 fn kind(value: &Value) -> &'static str {
     match value {
         Value::Pose { .. } => "pose",
@@ -24,12 +40,17 @@ fn kind(value: &Value) -> &'static str {
     }
 }
 
+/// Frame and tool in words.
+fn placed(value: &Value) -> (String, String) {
+    match value {
+        Value::Pose { frame, tool, .. } => (frame.words(), tool.words()),
+        Value::Joints(_) => (String::new(), String::new()),
+    }
+}
+
 pub(super) fn rows(part: &Part<'_>) -> Vec<CorrectionRow> {
     let one = |(point, correction): (&Point, &Correction)| {
-        let (frame, tool) = match &point.value {
-            Value::Pose { frame, tool, .. } => (frame.words(), tool.words()),
-            Value::Joints(_) => (String::new(), String::new()),
-        };
+        let (frame, tool) = placed(&point.value);
         CorrectionRow {
             name: point.name.clone(),
             line: point.line,
@@ -57,6 +78,7 @@ pub(super) fn view(
     open_frames: Vec<String>,
 ) -> ProgramView {
     let chain = fitted.chain();
+    let turned = installation(fitted).map_or(chain.base().pose, |found| found.base).rotation;
     let variables = |values: &Vec<f64>| {
         let mut joints = values.clone();
         chain.joints_from_controller(&mut joints);
@@ -69,15 +91,20 @@ pub(super) fn view(
     });
     let one = |(file, (point, correction)): (String, (&Point, &Correction))| {
         let displacement = correction.displacement.map(|d| d.map(|v| 1e3 * v));
+        let moved = displacement.map(|d| (turned * Vector3::from(d)).into());
+        let (frame, tool) = placed(&point.value);
         CorrectionView {
             file,
             name: point.name.clone(),
             line: point.line,
             kind: kind(&point.value).into(),
+            frame,
+            tool,
             outcome: correction.outcome.word().into(),
             reason: correction.reason.clone(),
             at_mm: correction.desired.map(|place| place.map(|v| 1e3 * v)),
             displacement_mm: displacement,
+            moved_mm: moved,
             correction_mm: displacement.map(|d| d.iter().map(|v| v * v).sum::<f64>().sqrt()),
             rotation_deg: correction.rotation.map(f64::to_degrees),
             within_95_mm: correction.within_95.map(|v| 1e3 * v),
@@ -99,6 +126,7 @@ pub(super) fn view(
         dry_run,
         open_frames,
         joints: joint_names(chain),
+        offsets: Vec::new(),
         notes: notes.collect(),
         points: points.map(one).collect(),
     }
