@@ -1,7 +1,6 @@
 //! A load in the columns of a file, looks with a date and a specification, and parameters that cannot be written.
 
 use crate::folder::Folder;
-use serde_json::Value;
 
 /// A robot whose parameters have no table: the fit is written all the same.
 #[test]

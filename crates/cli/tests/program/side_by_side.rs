@@ -1,7 +1,6 @@
 //! Several runs at the same time: nothing is lost, and no folder is of two runs.
 
 use crate::folder::{Folder, Run};
-use serde_json::Value;
 
 /// All of these at once.
 fn at_once(folder: &Folder, runs: &[Vec<&str>]) -> Vec<Run> {

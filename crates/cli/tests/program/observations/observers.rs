@@ -1,7 +1,6 @@
 //! A search asks whether the robot is wrong, or what observed it.
 
 use crate::folder::Folder;
-use serde_json::Value;
 use std::cell::Cell;
 use std::ops::ControlFlow::Continue;
 use std::path::Path;
