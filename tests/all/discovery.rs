@@ -54,6 +54,27 @@ fn nothing_is_found_in_noise() {
     assert_eq!((found.held_out, found.holdout_rows.len()), (HeldOut::NestedFolds, 180));
 }
 
+/// The level that is asked for is the one that is held: the p of what is left decides on either side of it.
+#[test]
+fn nothing_is_left_where_p_is_above_the_level_and_only_there() {
+    let chain = with_three_targets(&samples::ur10());
+    let search = |data: &Dataset, alpha: f64| {
+        let options = DiscoverOptions { alpha, rotations: 199, ..DiscoverOptions::default() };
+        let declared: [Box<dyn AnyEffect>; 1] = [Box::new(Geometric::default())];
+        diagnose(&chain, &declared, data, &PivotedQr::default(), &options, &|_| ()).unwrap()
+    };
+    let robots = (0..20).map(|seed| measured(&chain, constants(), 30, &[], seed));
+    let with_p =
+        robots.map(|data| (search(&data, DiscoverOptions::default().alpha).unexplained.p_value, data));
+    let (p, data) = with_p.into_iter().find(|(p, _)| (0.02..0.3).contains(p)).unwrap();
+    let below = search(&data, 0.7 * p);
+    assert_eq!(below.stopped, Termination::NothingLeft, "{p} {}", below.unexplained.p_value);
+    assert!(below.findings.is_empty(), "{p} {:?}", words(&below));
+    let above = search(&data, 1.4 * p);
+    let more = above.stopped != Termination::NothingLeft || !above.findings.is_empty();
+    assert!(more, "{p} {}", above.unexplained.p_value);
+}
+
 #[cfg(feature = "slow")]
 #[test]
 fn play_is_found_named_and_sized_and_the_ledger_is_the_same_again() {

@@ -42,7 +42,7 @@ pub use fitted::{
     Beyond, Coverage, Domain, Fallback, FittedModel, Installed, Interval, Judged, LoadCorrection, Predictor,
     Sample, TargetKnown, own_target,
 };
-pub use generalized::{GeneralizedErrors, error_matrix, error_matrix_first_order, rotation_axes};
+pub use generalized::{GeneralizedErrors, error_matrix, rotation_axes};
 pub use jacobian::ErrorJacobian;
 pub use model::{BoundModel, ErrorModel};
 pub use noise::{NoiseModel, SMALLEST_SD};

@@ -7,7 +7,7 @@ use crate::IdentifyError;
 use nalgebra::Vector3;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use truepose_errormodel::{Dataset, FittedModel, Visits};
+use truepose_errormodel::{Dataset, FittedModel};
 use truepose_kinematics::{Conditions, rotation_log};
 use truepose_solvers::order::{quantile, sorted};
 
@@ -103,23 +103,6 @@ impl Residuals {
         let values: Vec<f64> = self.position.iter().map(|v| v[axis]).filter(|v| v.is_finite()).collect();
         let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
         Spread { mean, ..Spread::of(values.iter().map(|v| v.abs())) }
-    }
-
-    /// The visits with the largest errors: (visit, its worst row, distance), worst first.
-    pub fn worst_visits(&self, visits: &Visits, count: usize) -> Vec<(usize, usize, f64)> {
-        let mut worst: Vec<(usize, usize, f64)> = visits
-            .rows
-            .iter()
-            .enumerate()
-            .filter_map(|(visit, rows)| {
-                let known = rows.iter().filter_map(|&row| Some((row, self.distance(row)?)));
-                let (row, distance) = known.max_by(|a, b| a.1.total_cmp(&b.1))?;
-                Some((visit, row, distance))
-            })
-            .collect();
-        worst.sort_by(|a, b| b.2.total_cmp(&a.2).then(a.0.cmp(&b.0)));
-        worst.truncate(count);
-        worst
     }
 }
 

@@ -102,13 +102,6 @@ impl Chain {
         self.couplings.follow(joints);
     }
 
-    /// Directions of approach of joints that follow others, in place.
-    pub fn follow_sides(&self, sides: &mut [f64]) {
-        for follower in self.followers() {
-            sides[follower.joint] = sides[follower.driver] * follower.ratio.signum();
-        }
-    }
-
     /// Whether the controller's values differ from the joints' variables, by couplings or joints that follow others.
     pub fn has_other_values(&self) -> bool {
         !(self.couplings().is_empty() && self.followers().is_empty())
@@ -151,9 +144,6 @@ mod tests {
             (0..6).map(|k| chain.is_commanded(k)).collect::<Vec<_>>(),
             [true, true, true, true, false, false]
         );
-        let mut sides = [0.0, 1.0, 0.0, 0.0, 0.0, 0.0];
-        chain.follow_sides(&mut sides);
-        assert_eq!((sides[4], sides[5]), (-1.0, -1.0));
         assert_eq!(samples::ur10().coupled_as(&chain).unwrap().mimics(), chain.mimics());
     }
 

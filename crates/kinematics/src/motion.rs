@@ -18,11 +18,6 @@ impl Twist {
     pub fn component(&self, index: usize) -> f64 {
         if index < 3 { self.translation[index] } else { self.rotation[index - 3] }
     }
-
-    /// As six numbers.
-    pub fn to_array(&self) -> [f64; 6] {
-        std::array::from_fn(|k| self.component(k))
-    }
 }
 
 /// A joint's own motion: the unit twist of +1 rad (or +1 m) of its variable, and the frame in whose axes it is.

@@ -75,6 +75,5 @@ pub use upkeep::{
     history_page, monitor_report,
 };
 pub use wording::{
-    advice_text, count, millimetres, milliradians, parameter_text, significant, value_with_interval,
-    warning_text,
+    advice_text, count, millimetres, parameter_text, significant, value_with_interval, warning_text,
 };

@@ -30,11 +30,6 @@ pub fn millimetres(metres: f64) -> String {
     format!("{} mm", significant(metres * 1e3, 3))
 }
 
-/// An angle in milliradians.
-pub fn milliradians(radians: f64) -> String {
-    format!("{} mrad", significant(radians * 1e3, 3))
-}
-
 /// `3 rows`, `1 row`.
 pub fn count(number: usize, noun: &str) -> String {
     format!("{number} {noun}{}", if number == 1 { "" } else { "s" })

@@ -52,11 +52,10 @@ fn a_plan_is_read_filled_in_and_assessed() {
     let folder = Folder::empty();
     let deviations = measured(&folder);
     assert_eq!(deviations.len(), 150);
-    let check = folder.run(&["check", "--robot", "robot.toml", "--data", "plan.csv"]).ended(0);
+    let check = folder.run("check --robot robot.toml --data plan.csv").ended(0);
     assert!(check.out.contains("150 pose measurements, 5 configurations"), "{}", check.out);
     let run = ["iso9283", "--robot", "robot.toml", "--data", "data.csv", "--instrument", "5um"];
-    let json: Value =
-        serde_json::from_str(&folder.run(&[&run[..], &["--json"]].concat()).ended(0).out).unwrap();
+    let json = folder.run(&[&run[..], &["--json"]].concat()).ended(0).json();
     for pose in 0..5 {
         let own: Vec<&[f64; 4]> = deviations.iter().filter(|d| d[0] as usize == pose + 1).collect();
         let mean = |k: usize| own.iter().map(|d| 1e3 * d[k]).sum::<f64>() / own.len() as f64;
@@ -89,7 +88,7 @@ fn limits_decide_the_exit_code() {
         // No path was measured.
         ("AT=1mm", 0, "undecided"),
     ] {
-        let json: Value = serde_json::from_str(&run(limit).ended(code).out).unwrap();
+        let json = run(limit).ended(code).json();
         assert_eq!(json["verdict"], verdict, "{limit}");
     }
     let wrong = run("XY=1mm").ended(2);
@@ -104,8 +103,8 @@ fn what_cannot_be_assessed_is_refused_with_its_file() {
     assert!(refused.log.contains("error: data.csv: no pose was measured twice"), "{}", refused.log);
     let refused = folder.run(&[&run[..], &["--path"]].concat()).ended(2);
     assert!(refused.log.contains("the data has no column `cycle`"), "{}", refused.log);
-    let plan = ["plan", "--for", "iso9283", "--robot", "robot.toml", "--out", "p.csv", "--edge", "9m"];
-    let refused = folder.run(&plan).ended(2);
+    let plan = "plan --for iso9283 --robot robot.toml --out p.csv --edge 9m";
+    let refused = folder.run(plan).ended(2);
     assert!(refused.log.contains("no cube with an edge of 9000 mm"), "{}", refused.log);
 }
 
@@ -126,7 +125,7 @@ fn the_protocol_prints_to_one_sheet_and_is_repeated() {
     {
         assert!(page.contains(text), "{text}");
     }
-    folder.run(&["verify", "page/run.json"]).ended(0);
+    folder.run("verify page/run.json").ended(0);
     let Some(browser) = browser() else {
         println!("SKIPPED: no Chromium is installed; the protocol was not printed");
         return;
@@ -156,9 +155,9 @@ fn a_fit_takes_its_displacement_off() {
         "robot = \"robot.toml\"\nseed = 3\n[errors.geometric]\nposition_mm = 0.4\nangle_mrad = 0.5\n[instrument]\nsd_um = 10\n\
          [repeatability]\nsd_um = 10\n[campaign]\npostures = \"random\"\nvisits = 30\nrepeats = 12\n",
     );
-    folder.run(&["simulate", "--plant", "plant.toml", "--out", "data.csv"]).ended(0);
-    folder.run(&["identify", "--robot", "robot.toml", "--data", "data.csv", "--out", "fit.json"]).ended(0);
-    let out = folder.run(&["iso9283", "--fit", "fit.json", "--data", "data.csv", "--json"]).ended(0).out;
+    folder.run("simulate --plant plant.toml --out data.csv").ended(0);
+    folder.run("identify --robot robot.toml --data data.csv --out fit.json").ended(0);
+    let out = folder.run("iso9283 --fit fit.json --data data.csv --json").ended(0).out;
     let json: Value = serde_json::from_str(&out).unwrap();
     let largest = |state: &str| {
         let poses = json[state]["poses"].as_array().unwrap();

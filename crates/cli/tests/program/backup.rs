@@ -78,7 +78,7 @@ fn every_program_of_a_backup_is_written_or_listed_with_its_lines() {
     );
     alone.ended(0);
     assert_eq!(folder.read("alone.dat"), folder.read("new/R1/Program/cell/job.dat"));
-    let json: serde_json::Value = serde_json::from_str(&folder.read("page/compensation.json")).unwrap();
+    let json = folder.json("page/compensation.json");
     let files: Vec<&str> =
         json["points"].as_array().unwrap().iter().map(|point| point["file"].as_str().unwrap()).collect();
     assert_eq!(files, ["R1/Program/cell/job.dat", "R1/Program/job.dat", "R1/Program/tool.src"]);
@@ -138,7 +138,7 @@ fn modules_of_a_task_that_share_points_are_one_program() {
         std::fs::create_dir_all(path.parent().unwrap()).unwrap();
         std::fs::write(path, text).unwrap();
     }
-    let run = folder.run(&["compensate", "--fit", "fit.json", "--program", "b", "--out", "new"]).ended(1);
+    let run = folder.run("compensate --fit fit.json --program b --out new").ended(1);
     let out = &run.out;
     assert!(
         out.contains(

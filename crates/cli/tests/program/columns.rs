@@ -42,9 +42,7 @@ fn a_fit_reads_other_files_with_the_columns_of_its_data() {
     }
     let poses = "Pos X [mm],y[mm],z[mm],target\n400,100,500,T1\n";
     folder.write("poses.csv", poses);
-    folder
-        .run(&["compensate", "--fit", "fit.json", "--poses", "poses.csv", "--out", "commands.csv"])
-        .ended(0);
+    folder.run("compensate --fit fit.json --poses poses.csv --out commands.csv").ended(0);
     assert!(folder.read("commands.csv").lines().count() == 2);
 }
 

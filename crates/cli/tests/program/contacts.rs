@@ -99,7 +99,7 @@ fn two_arms_that_meet_are_calibrated_against_each_other() {
     assert!((0.02..0.05).contains(&gap), "{gap}");
     assert!(found["landmarks"]["points"].as_array().unwrap().is_empty());
     // A row of a contact is predicted where its own target is.
-    folder.run(&["predict", "--fit", "fit.json", "--data", "data.csv", "--out", "p.csv"]).ended(0);
+    folder.run("predict --fit fit.json --data data.csv --out p.csv").ended(0);
     assert_eq!(folder.read("p.csv").lines().filter(|line| !line.starts_with('#')).count(), 41);
 }
 
@@ -108,7 +108,7 @@ fn one_hand_is_brought_to_the_other() {
     let folder = Folder::empty();
     folder.write("robot.toml", ROBOT);
     folder.write("data.csv", &table((0..40).map(|k| if k % 4 == 3 { 120.0 } else { 0.0 })));
-    folder.run(&["identify", "--robot", "robot.toml", "--data", "data.csv", "--out", "fit.json"]).ended(0);
+    folder.run("identify --robot robot.toml --data data.csv --out fit.json").ended(0);
     let poses = "tool,x[mm],y[mm],z[mm],l1[rad],l2[rad],r1[rad],r2[rad]\n\
                  left,0,0,0,0.7,1.2,2.6,0.3\nleft,-10,30,0,0.9,0.8,2.4,0.5\n";
     folder.write("poses.csv", poses);
@@ -164,8 +164,7 @@ fn what_is_wrong_with_a_contact_is_told_where_it_stands() {
         let folder = Folder::empty();
         folder.write("robot.toml", ROBOT);
         folder.write("data.csv", &table);
-        let run =
-            folder.run(&["identify", "--robot", "robot.toml", "--data", "data.csv", "--out", "fit.json"]);
+        let run = folder.run("identify --robot robot.toml --data data.csv --out fit.json");
         assert!(!folder.file("fit.json").exists());
         let log = run.ended(INPUT).log;
         assert!(log.contains(words), "{words}\n{log}");

@@ -50,7 +50,7 @@ fn a_coupled_robot_is_the_same_robot() {
     let folder = folder();
     let identify = |robot: &str, data: &str, fit: &str| -> serde_json::Value {
         let out = folder.run(&["identify", "--robot", robot, "--data", data, "--out", fit, "--json"]);
-        serde_json::from_str(&out.ended(0).out).unwrap()
+        out.ended(0).json()
     };
     let rms = |found: &serde_json::Value| {
         found["stages"].as_array().unwrap().last().unwrap()["train"]["rms_mm"].as_f64().unwrap()
@@ -64,8 +64,8 @@ fn a_coupled_robot_is_the_same_robot() {
     assert!(rms(&wrong) > 10.0, "{}", rms(&wrong));
 
     // Predictions: the same places, and the columns of the joints as they came.
-    folder.run(&["predict", "--fit", "plain.json", "--data", "data.csv", "--out", "p.csv"]).ended(0);
-    folder.run(&["predict", "--fit", "coupled.json", "--data", "coupled.csv", "--out", "q.csv"]).ended(0);
+    folder.run("predict --fit plain.json --data data.csv --out p.csv").ended(0);
+    folder.run("predict --fit coupled.json --data coupled.csv --out q.csv").ended(0);
     let (p, q) = (table(&folder.read("p.csv")), table(&folder.read("q.csv")));
     let close = |p: &[f64], q: &[f64], tolerance: f64| {
         assert_eq!(p.len(), q.len());
@@ -94,18 +94,18 @@ fn a_coupled_robot_is_the_same_robot() {
     };
     folder.write("tp.csv", &poses(&p));
     folder.write("tq.csv", &poses(&q));
-    folder.run(&["compensate", "--fit", "plain.json", "--poses", "tp.csv", "--out", "cp.csv"]).ended(0);
-    folder.run(&["compensate", "--fit", "coupled.json", "--poses", "tq.csv", "--out", "cq.csv"]).ended(0);
+    folder.run("compensate --fit plain.json --poses tp.csv --out cp.csv").ended(0);
+    folder.run("compensate --fit coupled.json --poses tq.csv --out cq.csv").ended(0);
     let (cp, cq) = (table(&folder.read("cp.csv")), table(&folder.read("cq.csv")));
     assert!(cp.1.iter().chain(&cq.1).all(|row| row[column(&cp, "status")] == "ok"));
     close(&less(&cp), &numbers(&cq, "j2"), 1e-6);
     close(&numbers(&cp, "d3"), &numbers(&cq, "d3"), 1e-6);
 
     // What a file of another program cannot hold is written above it.
-    folder.run(&["export", "--fit", "coupled.json", "--format", "dh", "--out", "dh.csv"]).ended(0);
+    folder.run("export --fit coupled.json --format dh --out dh.csv").ended(0);
     let words = "the variable of j2 contains 0.75 times the controller's value of j1, besides its own";
     assert!(folder.read("dh.csv").contains(words), "{}", folder.read("dh.csv"));
-    let checked = folder.run(&["check", "--robot", "coupled.toml"]).ended(0).out;
+    let checked = folder.run("check --robot coupled.toml").ended(0).out;
     assert!(checked.contains("j2 is coupled to j1: variable = value + 0.75 × value of j1"), "{checked}");
 }
 
@@ -119,8 +119,8 @@ fn limits_are_those_of_the_controllers_values() {
     let run = ["identify", "--robot", "narrow.toml", "--data", "coupled.csv", "--out", "narrow.json"];
     let log = folder.run(&run).ended(0).log;
     assert!(log.contains("column `j2[deg]` (2): is beyond the joint's limits"), "{log}");
-    let predict = ["predict", "--fit", "narrow.json", "--data", "coupled.csv", "--out", "q.csv"];
-    folder.run(&predict).ended(0);
+    let predict = "predict --fit narrow.json --data coupled.csv --out q.csv";
+    folder.run(predict).ended(0);
     let q = table(&folder.read("q.csv"));
     let names = ["x", "y", "z", "target"].map(|name| column(&q, name));
     let mut text = String::from("x[m],y[m],z[m],target\n");
@@ -128,8 +128,8 @@ fn limits_are_those_of_the_controllers_values() {
         text += &format!("{}\n", names.map(|k| row[k].clone()).join(","));
     }
     folder.write("t.csv", &text);
-    let compensate = ["compensate", "--fit", "narrow.json", "--poses", "t.csv", "--out", "c.csv"];
-    folder.run(&compensate).ended(0);
+    let compensate = "compensate --fit narrow.json --poses t.csv --out c.csv";
+    folder.run(compensate).ended(0);
     let commands = table(&folder.read("c.csv"));
     let status = column(&commands, "status");
     let mut ok = 0;
@@ -151,7 +151,7 @@ fn what_is_no_coupling_is_refused_with_its_place() {
     let folder = Folder::empty();
     let error = |coupling: &str| {
         folder.write("r.toml", &format!("{ROBOT}\n[[couplings]]\n{coupling}"));
-        folder.run(&["check", "--robot", "r.toml"]).ended(2).log
+        folder.run("check --robot r.toml").ended(2).log
     };
     let log = error("joint = \"j4\"\ndriver = \"j1\"\n");
     assert!(log.contains("r.toml:34:9: the robot has no moving joint `j4`"), "{log}");

@@ -115,8 +115,8 @@ fn result(folder: &Folder, arguments: &[&str], outputs: &[&str], threads: &str) 
 #[test]
 fn every_verb_gives_the_same_bytes_on_any_number_of_threads() {
     let folder = Folder::with_data();
-    folder.run(&["identify", "--robot", "robot.toml", "--data", "data.csv", "--out", "fit.json"]).ended(0);
-    folder.run(&["predict", "--fit", "fit.json", "--data", "data.csv", "--out", "poses.csv"]).ended(0);
+    folder.run("identify --robot robot.toml --data data.csv --out fit.json").ended(0);
+    folder.run("predict --fit fit.json --data data.csv --out poses.csv").ended(0);
     for (arguments, outputs) in RUNS {
         let one = result(&folder, arguments, outputs, "1");
         assert!(one.len() > outputs.len() && one.values().any(|content| content.len() > 50), "{arguments:?}");

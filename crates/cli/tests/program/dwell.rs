@@ -54,9 +54,8 @@ fn what_was_grouped_is_reported_and_can_be_changed() {
 fn a_fit_of_varying_encoder_readings_is_that_of_constant_ones() {
     let still = Folder::with_data();
     let run = |folder: &Folder| {
-        let words = ["identify", "--robot", "robot.toml", "--data", "data.csv", "--json"];
-        let json: serde_json::Value = serde_json::from_str(&folder.run(&words).ended(0).out).unwrap();
-        json
+        let words = "identify --robot robot.toml --data data.csv --json";
+        folder.run(words).ended(0).json()
     };
     let before = run(&still);
     flickering(&still, |_, _| ());

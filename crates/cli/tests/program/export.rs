@@ -37,9 +37,9 @@ fn fitted(fixed: bool) -> Folder {
     folder.write("arm.urdf", &urdf);
     folder.write("arm.toml", &format!("urdf = \"arm.urdf\"\ntip = \"{tip}\"\n"));
     folder.write("plant.toml", PLANT);
-    folder.run(&["simulate", "--plant", "plant.toml", "--out", "data.csv"]).ended(0);
-    folder.run(&["identify", "--robot", "arm.toml", "--data", "data.csv", "--out", "fit.json"]).ended(0);
-    folder.run(&["predict", "--fit", "fit.json", "--data", "data.csv", "--out", "p.csv"]).ended(0);
+    folder.run("simulate --plant plant.toml --out data.csv").ended(0);
+    folder.run("identify --robot arm.toml --data data.csv --out fit.json").ended(0);
+    folder.run("predict --fit fit.json --data data.csv --out p.csv").ended(0);
     folder
 }
 
@@ -96,8 +96,8 @@ fn installed(urdf: &str) -> Pose {
 #[test]
 fn the_installation_moves_neither_the_base_nor_the_flange_of_a_urdf() {
     let folder = fitted(true);
-    let export = ["export", "--fit", "fit.json", "--format", "urdf", "--urdf", "arm.urdf", "--out", "n.urdf"];
-    folder.run(&export).ended(0);
+    let export = "export --fit fit.json --format urdf --urdf arm.urdf --out n.urdf";
+    folder.run(export).ended(0);
     let new = folder.read("n.urdf");
     // The base is fitted away from the measurement frame, and the tool from the flange.
     assert!(installed(&new) != Pose::IDENTITY && new.contains("truepose_tip"), "{new}");
@@ -139,19 +139,8 @@ fn a_corrected_urdf_predicts_as_the_fit_does() {
         predicts(&folder, &chain, &installed(&folder.read("new.urdf")));
         // Another robot's URDF is refused, and nothing is written.
         folder.write("other.urdf", &old.replace("0.15 0 0", "0.16 0 0"));
-        let refused = folder
-            .run(&[
-                "export",
-                "--fit",
-                "fit.json",
-                "--format",
-                "urdf",
-                "--out",
-                "x.urdf",
-                "--urdf",
-                "other.urdf",
-            ])
-            .ended(2);
+        let refused =
+            folder.run("export --fit fit.json --format urdf --out x.urdf --urdf other.urdf").ended(2);
         assert!(refused.log.contains("other.urdf:7:3: joint `j2` has another origin"), "{}", refused.log);
         assert!(!folder.file("x.urdf").exists());
     }
@@ -164,19 +153,7 @@ fn every_format_says_what_it_lacks() {
         "model.toml",
         "[[effects]]\nfamily = \"geometric\"\n[[effects]]\nfamily = \"transmission\"\njoint = \"j1\"\n",
     );
-    folder
-        .run(&[
-            "identify",
-            "--robot",
-            "arm.toml",
-            "--data",
-            "data.csv",
-            "--model",
-            "model.toml",
-            "--out",
-            "fit.json",
-        ])
-        .ended(0);
+    folder.run("identify --robot arm.toml --data data.csv --model model.toml --out fit.json").ended(0);
     for format in ["urdf", "dh", "mdh", "ros", "iso230"] {
         let run = folder.run(&["export", "--fit", "fit.json", "--format", format, "--out", "o"]).ended(0);
         let carries = format == "iso230";
@@ -188,29 +165,24 @@ fn every_format_says_what_it_lacks() {
             );
         }
         let json = ["export", "--fit", "fit.json", "--format", format, "--out", "o", "--json"];
-        let said: serde_json::Value = serde_json::from_str(&folder.run(&json).ended(0).out).unwrap();
+        let said = folder.run(&json).ended(0).json();
         let rms = said["error_left"]["rms_mm"].as_f64().unwrap();
         assert!(if carries { rms < 1e-3 } else { rms > 1e-6 }, "{format}: {rms}");
     }
-    let refused = folder
-        .run(&["export", "--fit", "fit.json", "--format", "dh", "--out", "o", "--urdf", "arm.urdf"])
-        .ended(2);
+    let refused = folder.run("export --fit fit.json --format dh --out o --urdf arm.urdf").ended(2);
     assert!(refused.log.contains("only `--format urdf` corrects a URDF"), "{}", refused.log);
 }
 
 #[test]
 fn a_map_is_written_place_by_place() {
     let folder = fitted(true);
-    let run = folder.run(&["map", "--fit", "fit.json", "--out", "m.csv", "--points", "4"]).ended(0);
+    let run = folder.run("map --fit fit.json --out m.csv --points 4").ended(0);
     assert!(run.out.starts_with("64 places, 100 % of them reachable; written to m.csv\n"), "{}", run.out);
     let places = columns(&folder, "m.csv", &["before", "after_95"]);
     let mean = |k: usize| (places.iter().map(|row| row[k].powi(2)).sum::<f64>() / 64.0).sqrt();
     assert!(mean(1) < 0.2 * mean(0) && mean(1) > 1e-5, "{} {}", mean(0), mean(1));
-    let box_map = ["map", "--fit", "fit.json", "--out", "m.csv", "--points", "7", "--json"];
-    let said = folder
-        .run(&[&box_map[..], &["--from", "-900mm,-100mm,200mm", "--to=0.9m,0.1m,0.6m"]].concat())
-        .ended(0)
-        .out;
+    let box_map = "map --fit fit.json --out m.csv --points 7 --json";
+    let said = folder.run(&format!("{box_map} --from -900mm,-100mm,200mm --to=0.9m,0.1m,0.6m")).ended(0).out;
     let said: serde_json::Value = serde_json::from_str(&said).unwrap();
     assert_eq!(said["places"], 343);
     assert!((0.02..0.5).contains(&said["reachable"].as_f64().unwrap()), "{said}");

@@ -32,14 +32,14 @@ fn capitals_are_read_with_a_warning() {
     let folder = Folder::with_data();
     folder
         .write("d.csv", &renamed(&folder, &[("x[mm]", "X (mm)"), ("y[mm]", "Y (mm)"), ("z[mm]", "Z (mm)")]));
-    let said = folder.run(&["check", "--robot", "robot.toml", "--data", "d.csv"]).ended(0).log;
+    let said = folder.run("check --robot robot.toml --data d.csv").ended(0).log;
     assert!(said.contains("`X (mm)`, `Y (mm)`, `Z (mm)` are read as x, y, z"), "{said}");
 }
 
 #[test]
 fn compensate_takes_names_of_columns() {
     let folder = Folder::with_data();
-    folder.run(&["identify", "--robot", "robot.toml", "--data", "data.csv", "--out", "fit.json"]).ended(0);
+    folder.run("identify --robot robot.toml --data data.csv --out fit.json").ended(0);
     folder.write("poses.csv", "East [mm],y[mm],z[mm],target,Remark\n400,100,500,T1,3\n");
     let plain = ["compensate", "--fit", "fit.json", "--poses", "poses.csv", "--out", "commands.csv"];
     folder.run(&plain).ended(2);

@@ -37,7 +37,7 @@ fn the_urdf_of_an_observed_robot_is_not_written_over() {
     folder.write("arm.urdf", "<robot name=\"r\"/>");
     folder.write("cell.toml", &format!("urdf = \"arm.urdf\"\n{ROBOT}"));
     folder.write("model.toml", "[[effects]]\nfamily = \"geometric\"\n");
-    let plan = ["plan", "--observe", "cell.toml", "--model", "model.toml", "--out", "arm.urdf"];
-    let log = folder.run(&plan).ended(2).log;
+    let plan = "plan --observe cell.toml --model model.toml --out arm.urdf";
+    let log = folder.run(plan).ended(2).log;
     assert!(log.contains("`arm.urdf` is what the robot's `urdf` reads"), "{log}");
 }

@@ -20,24 +20,14 @@ fn a_fleet_is_the_prior_of_its_next_robot() {
     let rows = folder.read("data.csv");
     let few: String = rows.lines().take(15).map(|line| format!("{line}\n")).collect();
     folder.write("few.csv", &few);
-    let identify = [
-        "identify",
-        "--robot",
-        "robot.toml",
-        "--data",
-        "few.csv",
-        "--prior",
-        "prior.json",
-        "--out",
-        "fit.json",
-    ];
-    let told = folder.run(&identify).ended(0);
+    let identify = "identify --robot robot.toml --data few.csv --prior prior.json --out fit.json";
+    let told = folder.run(identify).ended(0);
     assert!(
         told.out.contains("with its sisters as prior") && told.out.contains("like its sisters"),
         "{}",
         told.out
     );
-    folder.run(&["predict", "--fit", "fit.json", "--data", "data.csv", "--out", "p.csv"]).ended(0);
+    folder.run("predict --fit fit.json --data data.csv --out p.csv").ended(0);
     // A prior is no robot, and no member of a fleet.
     for verb in [
         &["predict", "--fit", "prior.json", "--data", "data.csv", "--out", "p.csv"][..],
@@ -50,7 +40,7 @@ fn a_fleet_is_the_prior_of_its_next_robot() {
         assert!(log.contains("prior.json: is a fleet's prior, and no robot"), "{log}");
     }
     let again = folder.read("fit.json");
-    folder.run(&identify).ended(0);
+    folder.run(identify).ended(0);
     assert_eq!(folder.read("fit.json"), again);
 }
 

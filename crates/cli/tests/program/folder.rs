@@ -1,6 +1,7 @@
 //! A folder with a small robot in it, and the program run inside that folder.
 
 use assert_cmd::Command;
+use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 use tempfile::TempDir;
@@ -67,7 +68,7 @@ impl Folder {
     pub fn with_data() -> Self {
         static DATA: LazyLock<String> = LazyLock::new(|| {
             let folder = Folder::with_robot();
-            folder.run(&["simulate", "--plant", "plant.toml", "--out", "data.csv"]).ended(0);
+            folder.run("simulate --plant plant.toml --out data.csv").ended(0);
             folder.read("data.csv")
         });
         let folder = Folder::with_robot();
@@ -129,6 +130,11 @@ impl Folder {
         std::fs::read_to_string(self.file(name)).unwrap()
     }
 
+    /// A file of JSON.
+    pub fn json(&self, name: &str) -> Value {
+        serde_json::from_str(&self.read(name)).unwrap()
+    }
+
     /// Names of all files, hidden ones included, sorted.
     pub fn names(&self) -> Vec<String> {
         let mut names: Vec<String> = std::fs::read_dir(self.path())
@@ -139,11 +145,12 @@ impl Folder {
         names
     }
 
-    /// Runs the program in this folder.
-    pub fn run(&self, arguments: &[&str]) -> Run {
+    /// Runs the program in this folder: with a line as it is typed, or with words that may have blanks in them.
+    pub fn run(&self, arguments: impl Arguments) -> Run {
+        let arguments = arguments.words();
         let output = Command::new(env!("CARGO_BIN_EXE_truepose"))
             .current_dir(self.path())
-            .args(arguments)
+            .args(&arguments)
             .output()
             .unwrap();
         Run {
@@ -152,6 +159,41 @@ impl Folder {
             out: String::from_utf8(output.stdout).unwrap(),
             log: String::from_utf8(output.stderr).unwrap(),
         }
+    }
+}
+
+/// What a run is started with.
+pub trait Arguments {
+    fn words(&self) -> Vec<&str>;
+}
+
+impl Arguments for &str {
+    fn words(&self) -> Vec<&str> {
+        self.split(' ').collect()
+    }
+}
+
+impl Arguments for &String {
+    fn words(&self) -> Vec<&str> {
+        self.split(' ').collect()
+    }
+}
+
+impl<const N: usize> Arguments for &[&str; N] {
+    fn words(&self) -> Vec<&str> {
+        self.to_vec()
+    }
+}
+
+impl Arguments for &[&str] {
+    fn words(&self) -> Vec<&str> {
+        self.to_vec()
+    }
+}
+
+impl Arguments for &Vec<&str> {
+    fn words(&self) -> Vec<&str> {
+        self.to_vec()
     }
 }
 
@@ -169,5 +211,10 @@ impl Run {
     pub fn ended(self, code: i32) -> Self {
         assert_eq!(self.code, Some(code), "truepose {}\n{}\n{}", self.command, self.out, self.log);
         self
+    }
+
+    /// What it printed, as JSON.
+    pub fn json(&self) -> Value {
+        serde_json::from_str(&self.out).unwrap()
     }
 }

@@ -56,9 +56,9 @@ fn fitted() -> Folder {
     let folder = Folder::empty();
     folder.write("arm.toml", ARM);
     folder.write("plant.toml", PLANT);
-    folder.run(&["simulate", "--plant", "plant.toml", "--out", "data.csv"]).ended(0);
-    let identify = ["identify", "--robot", "arm.toml", "--data", "data.csv", "--out", "fit.json"];
-    let said = folder.run(&[&identify[..], &["--parameters", "p.csv"]].concat()).ended(0).out;
+    folder.run("simulate --plant plant.toml --out data.csv").ended(0);
+    let identify = "identify --robot arm.toml --data data.csv --out fit.json";
+    let said = folder.run(&format!("{identify} --parameters p.csv")).ended(0).out;
     assert!(said.contains("zero offsets of the joints"), "{said}");
     folder
 }
@@ -146,7 +146,7 @@ fn parameters_come_back_on_their_branch_and_predict() {
     assert!((a + 612.0).abs() < 5.0);
     // As the program predicts: base · rows · tool.
     folder.write("q.csv", PROGRAMME);
-    folder.run(&["predict", "--fit", "fit.json", "--data", "q.csv", "--out", "at.csv"]).ended(0);
+    folder.run("predict --fit fit.json --data q.csv --out at.csv").ended(0);
     for (given, found) in rows(PROGRAMME).iter().zip(rows(&folder.read("at.csv"))) {
         let q: Vec<f64> = numbers(given).iter().map(|v| v.to_radians()).collect();
         let base = placed(&part(&folder, "p.csv", "base"));
@@ -157,9 +157,9 @@ fn parameters_come_back_on_their_branch_and_predict() {
         same(&at, &Pose::new(rotation, Vector3::new(said[0], said[1], said[2])));
     }
     // The same table from the fit alone, and rows of dh with the same numbers.
-    folder.run(&["export", "--fit", "fit.json", "--format", "parameters", "--out", "again.csv"]).ended(0);
+    folder.run("export --fit fit.json --format parameters --out again.csv").ended(0);
     assert_eq!(folder.read("p.csv"), folder.read("again.csv"));
-    folder.run(&["export", "--fit", "fit.json", "--format", "dh", "--out", "dh.csv"]).ended(0);
+    folder.run("export --fit fit.json --format dh --out dh.csv").ended(0);
     let dh = rows(&folder.read("dh.csv"));
     let of_file: f64 = dh.iter().find(|row| row[0] == "j2").unwrap()[4].parse().unwrap();
     assert!((1e3 * of_file - a).abs() < 1e-9);
@@ -198,8 +198,8 @@ fn commands_reach_poses_of_a_tool_in_a_work_object() {
         assert!((a - b).abs() < 1e-9, "{a} {b}");
     }
     folder.write("q.csv", PROGRAMME);
-    let programme = ["compensate", "--fit", "fit.json", "--joints", "q.csv", "--out", "k.csv"];
-    folder.run(&programme).ended(0);
+    let programme = "compensate --fit fit.json --joints q.csv --out k.csv";
+    folder.run(programme).ended(0);
     let found = rows(&folder.read("k.csv"));
     for (given, found) in rows(PROGRAMME).iter().zip(&found) {
         let radians = |cells: &[String]| numbers(cells).iter().map(|v| v.to_radians()).collect::<Vec<f64>>();
@@ -243,15 +243,15 @@ fn commands_and_plans_have_the_units_of_a_pendant() {
         &Pose::new(kuka.rotation, Vector3::new(own[0], own[1], own[2]) / 1e3),
         &Pose::new(quaternion, Vector3::new(si[0], si[1], si[2])),
     );
-    let plan = ["plan", "--fit", "fit.json", "--out", "p.csv", "--count", "3", "--pool", "20"];
-    folder.run(&plan).ended(0);
+    let plan = "plan --fit fit.json --out p.csv --count 3 --pool 20";
+    folder.run(plan).ended(0);
     let in_si = rows(&folder.read("p.csv"));
-    folder.run(&[&plan[..], &["--units", "deg"]].concat()).ended(0);
+    folder.run(&format!("{plan} --units deg")).ended(0);
     assert!(folder.read("p.csv").starts_with("visit,j1[deg],"), "{}", folder.read("p.csv"));
     for (si, own) in in_si.iter().zip(rows(&folder.read("p.csv"))) {
         assert!((numbers(&si[1..2])[0].to_degrees() - numbers(&own[1..2])[0]).abs() < 1e-9, "{si:?} {own:?}");
     }
-    let refused = folder.run(&[&plan[..], &["--units", "kg"]].concat()).ended(2).log;
+    let refused = folder.run(&format!("{plan} --units kg")).ended(2).log;
     assert!(refused.contains("`kg` is no unit of an angle (rad, deg) or a length"), "{refused}");
 }
 
@@ -293,7 +293,7 @@ fn a_map_has_the_same_quantity_before_and_after() {
 #[test]
 fn what_a_description_cannot_carry_turns_no_axis_of_it() {
     let folder = Folder::empty();
-    folder.run(&["init", "xarm7", "--out", "library.toml"]).ended(0);
+    folder.run("init xarm7 --out library.toml").ended(0);
     let described = folder.read("library.toml");
     let joints = described.split("# Where the robot stands").next().expect("a first part");
     let placed = "[base]\nxyz = [900, 300, 20]\nrpy = [0, 0, -75]\n\n[tool]\nxyz = [0, 0, 90]\n";
@@ -307,9 +307,9 @@ fn what_a_description_cannot_carry_turns_no_axis_of_it() {
         "model.toml",
         "[[effects]]\nfamily = \"geometric\"\n[[effects]]\nfamily = \"backlash\"\njoint = \"J2\"\n",
     );
-    folder.run(&["simulate", "--plant", "plant.toml", "--out", "data.csv"]).ended(0);
-    let identify = ["identify", "--robot", "arm.toml", "--model", "model.toml", "--data", "data.csv"];
-    folder.run(&[&identify[..], &["--out", "fit.json", "--parameters", "p.csv"]].concat()).ended(0);
+    folder.run("simulate --plant plant.toml --out data.csv").ended(0);
+    let identify = "identify --robot arm.toml --model model.toml --data data.csv";
+    folder.run(&format!("{identify} --out fit.json --parameters p.csv")).ended(0);
     // Backlash has no row. What it moves on these poses is no reason for an axis that stands 3° elsewhere (it was), or a length of 10 mm more.
     let mut compared = 0;
     for row in rows(&folder.read("p.csv")) {
@@ -320,6 +320,6 @@ fn what_a_description_cannot_carry_turns_no_axis_of_it() {
         compared += usize::from(of_joint);
     }
     assert!(compared > 24, "{compared}");
-    let written = folder.run(&["export", "--fit", "fit.json", "--format", "dh", "--out", "dh.csv"]).ended(0);
+    let written = folder.run("export --fit fit.json --format dh --out dh.csv").ended(0);
     assert!(written.out.contains("→ this file 0.14"), "{}", written.out);
 }

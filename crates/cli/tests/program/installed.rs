@@ -32,7 +32,7 @@ fn hand_and_eye_have_their_places_with_intervals() {
                  [campaign]\npostures = \"random\"\nvisits = 30\n"
             ),
         );
-        folder.run(&["simulate", "--plant", "plant.toml", "--out", "data.csv"]).ended(0);
+        folder.run("simulate --plant plant.toml --out data.csv").ended(0);
         let identify = ["identify", "--robot", "robot.toml", "--data", "data.csv", "--model", "model.toml"];
         let out = folder.run(&identify).ended(0).out;
         let all = [&identify[..], &["--out", "fit.json", "--parameters", "p.csv"]].concat();

@@ -15,10 +15,8 @@ fn discovered(robot: &str, data: &str) -> (Vec<(String, String)>, String, [f64; 
     let folder = Folder::empty();
     folder.write("robot.toml", robot);
     folder.write("data.csv", data);
-    let ran = folder
-        .run(&["discover", "--robot", "robot.toml", "--data", "data.csv", "--rotations", "99", "--json"])
-        .ended(0);
-    let found: serde_json::Value = serde_json::from_str(&ran.out).unwrap();
+    let ran = folder.run("discover --robot robot.toml --data data.csv --rotations 99 --json").ended(0);
+    let found = ran.json();
     let word = |value: &serde_json::Value| value.as_str().unwrap_or_default().to_owned();
     let effects = found["effects"].as_array().unwrap();
     let rms = |part: &str| found[part]["holdout"]["rms_mm"].as_f64().unwrap();

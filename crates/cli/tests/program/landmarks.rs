@@ -13,7 +13,7 @@ fn told(robot: &str, table: &str) -> String {
     let folder = Folder::empty();
     folder.write("robot.toml", robot);
     folder.write("data.csv", table);
-    let run = folder.run(&["identify", "--robot", "robot.toml", "--data", "data.csv", "--out", "fit.json"]);
+    let run = folder.run("identify --robot robot.toml --data data.csv --out fit.json");
     assert!(!folder.file("fit.json").exists(), "{}", run.log);
     run.ended(INPUT).log
 }
@@ -91,12 +91,12 @@ fn a_distance_may_name_points_of_the_data() {
     folder.write("data.csv", TABLE);
     let distance =
         |a: &str, b: &str| format!("{ROBOT}\n[[distances]]\nbetween = [\"{a}\", \"{b}\"]\nvalue = 50\n");
-    let words = ["identify", "--robot", "robot.toml", "--data", "data.csv"];
+    let words = "identify --robot robot.toml --data data.csv";
     folder.write("robot.toml", &distance("A", "B"));
-    let run = folder.run(&words).ended(0);
+    let run = folder.run(words).ended(0);
     assert!(!run.log.contains("the scale is not determined"), "{}", run.log);
     folder.write("robot.toml", &distance("A", "C"));
-    let run = folder.run(&words).ended(0);
+    let run = folder.run(words).ended(0);
     assert!(run.log.contains("the distance from A to C is not used"), "{}", run.log);
     assert!(run.log.contains("no row touched landmark C"), "{}", run.log);
 }
@@ -107,8 +107,8 @@ fn a_measured_arm_without_an_instrument() {
     if !panda(&folder, "mukca-panda-3") {
         return;
     }
-    let words = ["identify", "--robot", "robot.toml", "--data", "data.csv", "--out", "fit.json", "--json"];
-    let found: serde_json::Value = serde_json::from_str(&folder.run(&words).ended(0).out).unwrap();
+    let words = "identify --robot robot.toml --data data.csv --out fit.json --json";
+    let found = folder.run(words).ended(0).json();
     let landmarks = &found["landmarks"];
     let spread = landmarks["held_out"]["rms_mm"].as_f64().unwrap();
     let distance = landmarks["distance_rms_mm"].as_f64().unwrap();
@@ -126,8 +126,8 @@ fn a_measured_arm_without_an_instrument() {
         .map(|line| line.splitn(3, ',').nth(2).unwrap().to_owned() + "\n")
         .collect();
     folder.write("joints.csv", &rows);
-    folder.run(&["predict", "--fit", "fit.json", "--data", "joints.csv", "--out", "p.csv"]).ended(0);
-    folder.run(&["predict", "--fit", "fit.json", "--data", "data.csv", "--out", "q.csv"]).ended(0);
+    folder.run("predict --fit fit.json --data joints.csv --out p.csv").ended(0);
+    folder.run("predict --fit fit.json --data data.csv --out q.csv").ended(0);
     assert_eq!(folder.read("p.csv"), folder.read("q.csv"));
 }
 
@@ -141,7 +141,7 @@ fn a_measured_arm_whose_scale_nobody_knows_keeps_its_size() {
     folder.write("robot.toml", robot.split("\n[[distances]]").next().unwrap());
     let words = ["identify", "--robot", "robot.toml", "--data", "data.csv", "--json"];
     let run = folder.run(&words).ended(0);
-    let found: serde_json::Value = serde_json::from_str(&run.out).unwrap();
+    let found = run.json();
     let landmarks = &found["landmarks"];
     let spread = landmarks["held_out"]["rms_mm"].as_f64().unwrap();
     assert!((0.1..0.3).contains(&spread), "{spread} mm");

@@ -23,7 +23,7 @@ fn busy() -> Folder {
     let folder = crate::report::measured("small", "j1");
     let plant = folder.read("plant.toml").replace("visits = 60", "visits = 400");
     folder.write("plant.toml", &plant);
-    folder.run(&["simulate", "--plant", "plant.toml", "--out", "data.csv"]).ended(0);
+    folder.run("simulate --plant plant.toml --out data.csv").ended(0);
     folder.write("fit.json", "an older result");
     folder
 }
@@ -74,8 +74,8 @@ fn limits_that_the_caller_sets_are_kept() {
         untouched(&folder);
     }
     let folder = Folder::with_data();
-    folder.run(&["check", "--robot", "robot.toml", "--time-limit", "1min", "--memory-limit", "4GB"]).ended(0);
-    folder.run(&["check", "--robot", "robot.toml", "--time-limit", "3"]).ended(2);
+    folder.run("check --robot robot.toml --time-limit 1min --memory-limit 4GB").ended(0);
+    folder.run("check --robot robot.toml --time-limit 3").ended(2);
 }
 
 /// With few flips the first find comes soon, and whole runs in each of eight folds come after it.
@@ -95,7 +95,7 @@ fn findings_before_a_limit_are_kept_and_marked_as_incomplete() {
     assert!(!run.out.contains("Findings so far: none"), "{}", run.out);
     assert!(run.out.starts_with("INCOMPLETE: "), "{}", run.out);
     assert!(run.log.contains("fit.json and page/discovery.json, marked as incomplete"), "{}", run.log);
-    let json = |name: &str| -> serde_json::Value { serde_json::from_str(&folder.read(name)).unwrap() };
+    let json = |name: &str| -> serde_json::Value { folder.json(name) };
     let (fit, result) = (json("fit.json"), json("page/discovery.json"));
     assert!(result["incomplete"].as_str().unwrap().starts_with("the time limit was reached"), "{result}");
     // On a machine that came to the end of the search the finished run is shown as well, without its validation.
@@ -106,7 +106,7 @@ fn findings_before_a_limit_are_kept_and_marked_as_incomplete() {
     assert_eq!(fit["provenance"]["incomplete"] == "the time limit was reached", !finished, "{fit}");
     assert!(folder.names().iter().all(|name| !name.starts_with(".truepose")), "{:?}", folder.names());
     // It is a fit like any other.
-    folder.run(&["predict", "--fit", "fit.json", "--data", "data.csv", "--out", "p.csv"]).ended(0);
+    folder.run("predict --fit fit.json --data data.csv --out p.csv").ended(0);
 }
 
 fn untouched(folder: &Folder) {

@@ -1,11 +1,6 @@
 //! A load in the columns of a file, looks with a date and a specification, and parameters that cannot be written.
 
 use crate::folder::Folder;
-use serde_json::Value;
-
-fn json(text: &str) -> Value {
-    serde_json::from_str(text).unwrap()
-}
 
 /// A robot whose parameters have no table: the fit is written all the same.
 #[test]
@@ -43,7 +38,7 @@ fn a_wrench_is_no_channel() {
     let mut out = format!("{},Fx_N,Fy_N,Fz_N,Mx_Nm,My_Nm,Mz_Nm\n", lines.next().unwrap());
     lines.for_each(|line| out += &format!("{line},1,2,-30,0.1,0.2,0.3\n"));
     folder.write("data.csv", &out);
-    let check = folder.run(&["check", "--robot", "robot.toml", "--data", "data.csv", "--json"]).ended(0);
+    let check = folder.run("check --robot robot.toml --data data.csv --json").ended(0);
     let words = "are a wrench by their names and are not read: a load is no channel";
     assert!(check.log.contains(words) && check.log.contains("--map \"tz=Mz_Nm\""), "{}", check.log);
     assert!(!check.out.contains("\"channel"), "{}", check.out);
@@ -58,7 +53,7 @@ fn a_wrench_is_no_channel() {
 #[test]
 fn a_look_has_a_specification_a_certificate_and_a_date() {
     let folder = Folder::with_data();
-    folder.run(&["identify", "--robot", "robot.toml", "--data", "data.csv", "--out", "fit.json"]).ended(0);
+    folder.run("identify --robot robot.toml --data data.csv --out fit.json").ended(0);
     let plant = folder.read("plant.toml").replace("visits = 40", "visits = 12");
     folder.write("look.toml", &plant);
     folder.write("head.toml", "[certificate]\nserial = \"SN-17\"\n");
@@ -85,7 +80,7 @@ fn a_look_has_a_specification_a_certificate_and_a_date() {
         ];
         folder.run(&look).ended(0);
     }
-    let (page, result) = (folder.read("r/index.html"), json(&folder.read("r/monitor.json")));
+    let (page, result) = (folder.read("r/index.html"), folder.json("r/monitor.json"));
     assert_eq!(
         (&result["date"], &result["specification"]["inside"]),
         (&"2026-04-01".into(), &result["specification"]["poses"])
@@ -93,12 +88,9 @@ fn a_look_has_a_specification_a_certificate_and_a_date() {
     for words in ["SN-17", "2026-04-01", "days since 2026-03-02", "Specification 0.500 mm"] {
         assert!(page.contains(words), "{words}");
     }
-    assert_eq!(json(&folder.read("h.json"))["looks"][0]["date"], "2026-03-02");
+    assert_eq!(folder.json("h.json")["looks"][0]["date"], "2026-03-02");
     let run = ["monitor", "--fit", "fit.json", "--data", "look.csv", "--spec", "0.001mm"];
     assert!(folder.run(&run).ended(1).log.contains("not met: Specification"));
-    let bad = folder
-        .run(&["monitor", "--fit", "fit.json", "--data", "look.csv", "--date", "1.4.2026"])
-        .ended(2)
-        .log;
+    let bad = folder.run("monitor --fit fit.json --data look.csv --date 1.4.2026").ended(2).log;
     assert!(bad.contains("a date is year-month-day"), "{bad}");
 }

@@ -58,10 +58,10 @@ fn a_joint_that_follows_another_one_is_calibrated_and_commanded() {
     folder.write("data.csv", &rows(&real, &mut draw, 80, 2e-5).0);
     let (new, truth) = rows(&real, &mut draw, 60, 0.0);
     folder.write("new.csv", &new);
-    let check = folder.run(&["check", "--robot", "robot.toml", "--data", "data.csv"]).ended(0).out;
+    let check = folder.run("check --robot robot.toml --data data.csv").ended(0).out;
     assert!(check.contains("j5 follows j2: value = -0.6 × value of j2"), "{check}");
-    folder.run(&["identify", "--robot", "robot.toml", "--data", "data.csv", "--out", "fit.json"]).ended(0);
-    folder.run(&["predict", "--fit", "fit.json", "--data", "new.csv", "--out", "p.csv"]).ended(0);
+    folder.run("identify --robot robot.toml --data data.csv --out fit.json").ended(0);
+    folder.run("predict --fit fit.json --data new.csv --out p.csv").ended(0);
     let text = folder.read("p.csv");
     assert!(text.starts_with(HEADER), "{text}");
     let off = rms(&positions(&text), &truth);
@@ -73,7 +73,7 @@ fn a_joint_that_follows_another_one_is_calibrated_and_commanded() {
         writeln!(poses, "{:.9},{:.9},{:.9},0.1,-0.5,0.8,0.2,0.1", p[0], p[1], p[2]).unwrap();
     }
     folder.write("poses.csv", &poses);
-    folder.run(&["compensate", "--fit", "fit.json", "--poses", "poses.csv", "--out", "q.csv"]).ended(0);
+    folder.run("compensate --fit fit.json --poses poses.csv --out q.csv").ended(0);
     let commands = folder.read("q.csv");
     assert!(commands.starts_with(HEADER), "{commands}");
     let mut there = Vec::new();
@@ -90,16 +90,14 @@ fn a_joint_that_follows_another_one_is_calibrated_and_commanded() {
     assert!(off < 0.03, "{off} mm");
 
     // In a URDF the joint still follows, and the numbers say where it does.
-    folder.run(&["export", "--fit", "fit.json", "--format", "urdf", "--out", "arm.urdf"]).ended(0);
+    folder.run("export --fit fit.json --format urdf --out arm.urdf").ended(0);
     let urdf = folder.read("arm.urdf");
     assert!(urdf.contains("<mimic joint=\"j2\" multiplier=\"-0.6\""), "{urdf}");
-    folder.run(&["predict", "--robot", "arm.urdf", "--data", "new.csv", "--out", "u.csv"]);
-    folder.run(&["identify", "--robot", "arm.urdf", "--data", "data.csv", "--out", "again.json"]).ended(0);
+    folder.run("predict --robot arm.urdf --data new.csv --out u.csv");
+    folder.run("identify --robot arm.urdf --data data.csv --out again.json").ended(0);
     // The search for what is missing finds nothing beyond the noise.
-    folder
-        .run(&["discover", "--robot", "robot.toml", "--data", "data.csv", "--out", "d.json", "--report", "r"])
-        .ended(0);
-    folder.run(&["plan", "--fit", "fit.json", "--count", "6", "--out", "plan.csv"]).ended(0);
+    folder.run("discover --robot robot.toml --data data.csv --out d.json --report r").ended(0);
+    folder.run("plan --fit fit.json --count 6 --out plan.csv").ended(0);
     assert!(!folder.read("plan.csv").lines().next().unwrap().contains("j5"));
 }
 
@@ -108,7 +106,7 @@ fn a_column_of_a_following_joint_is_refused() {
     let folder = Folder::empty();
     folder.write("robot.toml", &described());
     folder.write("data.csv", "j1,j2,j3,j4,j5[rad],j6,x[mm],y[mm],z[mm]\n0,0,0,0,0,0,1,2,3\n");
-    let run = folder.run(&["check", "--robot", "robot.toml", "--data", "data.csv"]).ended(INPUT);
+    let run = folder.run("check --robot robot.toml --data data.csv").ended(INPUT);
     let words = "data.csv:1: column `j5[rad]` (5): joint `j5` mimics `j2` and has no value of its own; remove the column";
     assert!(run.log.contains(words), "{}", run.log);
 }
@@ -123,10 +121,10 @@ fn a_joint_that_stands_still_is_told_once_with_those_that_follow_it() {
     };
     let rows: String = (0..8).map(row).collect();
     folder.write("data.csv", &format!("j1[rad],j2[rad],j3[rad],j4[rad],j6[rad],x[mm],y[mm],z[mm]\n{rows}"));
-    let told = folder.run(&["identify", "--robot", "robot.toml", "--data", "data.csv"]).log;
+    let told = folder.run("identify --robot robot.toml --data data.csv").log;
     assert!(told.contains(": j2, j3 never change"), "{told}");
     // No column could be mistaken for that of a joint that has none.
-    let told = folder.run(&["check", "--robot", "robot.toml", "--data", "data.csv"]).log;
+    let told = folder.run("check --robot robot.toml --data data.csv").log;
     assert!(!told.contains("j5"), "{told}");
 }
 
@@ -134,7 +132,7 @@ fn a_joint_that_stands_still_is_told_once_with_those_that_follow_it() {
 fn the_flange_at_zeros_has_the_offset_of_a_joint_that_follows() {
     let folder = Folder::empty();
     folder.write("robot.toml", &described());
-    let out = folder.run(&["check", "--robot", "robot.toml"]).ended(0).out;
+    let out = folder.run("check --robot robot.toml").ended(0).out;
     let follows = [0.0, 0.0, 0.0, 0.0, OFFSET_DEG.to_radians(), 0.0];
     let [x, y, z] = NOMINAL.point(&follows, &[0.0; 6], [0.0; 3]).map(|v| 1e3 * v);
     let words = format!("flange at all zeros: xyz {x:.2} {y:.2} {z:.2} mm");

@@ -56,7 +56,7 @@ fn said(verb: &str, spec: &str) -> Said {
         [verb, "--robot", "robot.toml", "--data", "data.csv", "--spec", spec, "--correction", "commands"];
     let ran = folder.run(&[&run[..], &["--report", "r", "--parameters", "p.csv"]].concat());
     let name = if verb == "identify" { "r/identification.json" } else { "r/discovery.json" };
-    let json: Value = serde_json::from_str(&folder.read(name)).unwrap();
+    let json = folder.json(name);
     let html = folder.read("r/index.html");
     let mut terminal = ran.out.split_whitespace().collect::<Vec<_>>().join(" ");
     terminal.push(' ');
@@ -180,11 +180,11 @@ fn a_discovery_has_one_verdict() {
 #[test]
 fn nothing_is_a_number_that_was_not_measured() {
     let folder = Folder::with_data();
-    folder.run(&["identify", "--robot", "robot.toml", "--data", "data.csv", "--out", "fit.json"]).ended(0);
+    folder.run("identify --robot robot.toml --data data.csv --out fit.json").ended(0);
     folder.write("t.csv", "x[mm],y[mm],z[mm]\n# far away\n9000,0,0\n400,100,200\n");
     let run = ["compensate", "--fit", "fit.json", "--poses", "t.csv", "--out", "c.csv", "--report", "r"];
     folder.run(&run).ended(0);
-    let json: Value = serde_json::from_str(&folder.read("r/compensation.json")).unwrap();
+    let json = folder.json("r/compensation.json");
     let far = &json["commands"][0];
     assert_eq!((far["row"].as_u64(), far["line"].as_u64()), (Some(1), Some(3)));
     assert_ne!(far["status"], "ok");
@@ -200,10 +200,9 @@ fn nothing_is_a_number_that_was_not_measured() {
         assert!(json[quantity]["rms_mm"].is_null() && json["within"][quantity]["max_mm"].is_null(), "{json}");
     }
     // Terminal and JSON have the same figures of a map.
-    let map = ["map", "--fit", "fit.json", "--out", "m.csv", "--points", "3"];
-    let text = folder.run(&map).ended(0).out;
-    let json: Value =
-        serde_json::from_str(&folder.run(&[&map[..], &["--json"]].concat()).ended(0).out).unwrap();
+    let map = "map --fit fit.json --out m.csv --points 3";
+    let text = folder.run(map).ended(0).out;
+    let json = folder.run(&format!("{map} --json")).ended(0).json();
     for quantity in ["before_95", "after_95"] {
         let shown = format!(
             "RMS {} mm, max {} mm",

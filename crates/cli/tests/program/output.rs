@@ -18,7 +18,7 @@ fn steady() -> insta::Settings {
 #[test]
 fn help() {
     let folder = Folder::empty();
-    let mut text = folder.run(&["--help"]).ended(0).out;
+    let mut text = folder.run("--help").ended(0).out;
     let commands = text.split_once("Commands:\n").unwrap().1.split_once("\n\n").unwrap().0.to_string();
     let verbs: Vec<&str> = commands.lines().filter_map(|line| line.split_whitespace().next()).collect();
     assert!(verbs.len() > 5, "{verbs:?}");
@@ -30,17 +30,16 @@ fn help() {
 
 #[test]
 fn version() {
-    let out = Folder::empty().run(&["--version"]).ended(0).out;
+    let out = Folder::empty().run("--version").ended(0).out;
     assert_eq!(out, format!("truepose {}\n", env!("CARGO_PKG_VERSION")));
 }
 
 #[test]
 fn effects_and_solvers() {
     let folder = Folder::empty();
-    let text = folder.run(&["effects"]).ended(0).out;
+    let text = folder.run("effects").ended(0).out;
     insta::assert_snapshot!(text);
-    let json: serde_json::Value =
-        serde_json::from_str(&folder.run(&["effects", "--json"]).ended(0).out).unwrap();
+    let json = folder.run("effects --json").ended(0).json();
     for word in ["geometric", "joint_compliance"] {
         let families = json["effects"].as_array().unwrap();
         assert!(families.iter().any(|e| e["family"] == word), "{word}");
@@ -108,7 +107,7 @@ fn identify_on_the_example_reaches_its_figures() {
             "--json",
         ])
         .ended(0);
-    let json: serde_json::Value = serde_json::from_str(&run.out).unwrap();
+    let json = run.json();
     let rms = |stage: usize, data: &str| json["stages"][stage][data]["rms_mm"].as_f64().unwrap() * 1e3;
     let last = json["stages"].as_array().unwrap().len() - 1;
     // The gear that nobody declared has an amplitude of 0.12 mrad: at some 1.5 m from the first axis this is 0.13 mm

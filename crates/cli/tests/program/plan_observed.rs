@@ -43,7 +43,7 @@ fn sockets_are_planned_before_anything_is_measured_and_after() {
     folder.run(&["identify", "--robot", &robot, "--data", &data, "--out", "fit.json"]).ended(0);
     let later =
         ["plan", "--fit", "fit.json", "--observe", &robot, "--out", "plan.csv", "--count", "24", "--json"];
-    let told: serde_json::Value = serde_json::from_str(&folder.run(&later).ended(0).out).expect("JSON");
+    let told = folder.run(&later).ended(0).json();
     let number = |key: &str| told[key].as_f64().expect("a number");
     assert!(
         number("then_mm") < number("at_random_mm") && number("at_random_mm") < number("now_mm"),
@@ -62,7 +62,7 @@ fn a_camera_on_the_robot_is_told_where_to_look() {
     let folder = Folder::empty();
     let (robot, data) = (example("10_hand_eye", "robot.toml"), example("10_hand_eye", "measurements.csv"));
     folder.run(&["identify", "--robot", &robot, "--data", &data, "--out", "fit.json"]).ended(0);
-    let fit: serde_json::Value = serde_json::from_str(&folder.read("fit.json")).expect("JSON");
+    let fit = folder.json("fit.json");
     let place = &fit["provenance"]["cameras"]["eye"]["xyz_m"];
     assert!((place[0].as_f64().expect("a number") - 0.04).abs() < 1e-3, "{place}");
     let plan = ["plan", "--fit", "fit.json", "--observe", &robot, "--out", "plan.csv", "--count", "6"];

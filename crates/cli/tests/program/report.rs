@@ -5,7 +5,10 @@ use serde_json::Value;
 use std::sync::LazyLock;
 use truepose_report::{significant, value_with_interval};
 
-const EVIL: &str = "<img src=x onerror=alert(1)>";
+/// Names of a robot and of its first joint.
+pub const PLAIN: [&str; 2] = ["small", "j1"];
+/// The same, which would run where a page does not escape them.
+pub const EVIL: [&str; 2] = ["<img src=x onerror=alert(1)>", "j1</script><img src=x onerror=alert(1)>"];
 
 /// A robot with a wave in its first joint that the declared model lacks.
 const PLANT: &str = r#"robot = "robot.toml"
@@ -33,35 +36,25 @@ pub fn measured(robot: &str, joint: &str) -> Folder {
     let text = ROBOT.replace("\"small\"", &format!("{robot:?}")).replace("\"j1\"", &format!("{joint:?}"));
     folder.write("robot.toml", &text);
     folder.write("plant.toml", &PLANT.replace("\"J1\"", &format!("{joint:?}")));
-    folder.run(&["simulate", "--plant", "plant.toml", "--out", "data.csv"]).ended(0);
+    folder.run("simulate --plant plant.toml --out data.csv").ended(0);
     folder
 }
 
-/// The same with the report of a discovery in `page`: once for all tests of the process that take the same names.
-pub fn discovered(robot: &str, joint: &str) -> Folder {
-    static SMALL: LazyLock<Folder> = LazyLock::new(|| searched("small", "j1"));
-    if (robot, joint) == ("small", "j1") { SMALL.copied() } else { searched(robot, joint) }
+/// The same with the report of a discovery in `page`, and what it printed in `printed.txt`: once for all tests of the process.
+pub fn discovered(names: [&str; 2]) -> Folder {
+    static BOTH: [LazyLock<Folder>; 2] =
+        [LazyLock::new(|| searched(PLAIN)), LazyLock::new(|| searched(EVIL))];
+    BOTH[usize::from(names == EVIL)].copied()
 }
 
-fn searched(robot: &str, joint: &str) -> Folder {
+/// What the report in `page` is of.
+const SEARCH: &str =
+    "discover --robot robot.toml --data data.csv --spec 0.2mm --correction commands --rotations 499";
+
+fn searched([robot, joint]: [&str; 2]) -> Folder {
     let folder = measured(robot, joint);
-    folder
-        .run(&[
-            "discover",
-            "--robot",
-            "robot.toml",
-            "--data",
-            "data.csv",
-            "--report",
-            "page",
-            "--spec",
-            "0.2mm",
-            "--correction",
-            "commands",
-            "--rotations",
-            "499",
-        ])
-        .ended(0);
+    let run = folder.run(&format!("{SEARCH} --report page")).ended(0);
+    folder.write("printed.txt", &run.out);
     folder
 }
 
@@ -72,24 +65,11 @@ fn escaped(text: &str) -> String {
 
 #[test]
 fn page_json_and_terminal_have_the_same_numbers() {
-    let folder = discovered("small", "j1");
-    let same = [
-        "discover",
-        "--robot",
-        "robot.toml",
-        "--data",
-        "data.csv",
-        "--spec",
-        "0.2mm",
-        "--correction",
-        "commands",
-        "--rotations",
-        "499",
-    ];
-    let terminal = folder.run(&same).ended(0).out;
-    let json = folder.run(&[&same[..], &["--json"]].concat()).ended(0).out;
-    let result: Value = serde_json::from_str(&folder.read("page/discovery.json")).unwrap();
-    assert_eq!(serde_json::from_str::<Value>(&json).unwrap(), result);
+    let folder = discovered(PLAIN);
+    let terminal = folder.read("printed.txt");
+    let json = folder.run(&format!("{SEARCH} --json")).ended(0).json();
+    let result = folder.json("page/discovery.json");
+    assert_eq!(json, result);
 
     let page = folder.read("page/index.html");
     let number = |pointer: &str| significant(result.pointer(pointer).unwrap().as_f64().unwrap(), 3);
@@ -162,7 +142,7 @@ fn page_json_and_terminal_have_the_same_numbers() {
 #[cfg(feature = "slow")]
 #[test]
 fn page_json_and_terminal_have_the_same_nonlinear_parameters() {
-    let folder = discovered("small", "j1");
+    let folder = discovered(PLAIN);
     let declared = |range: &str| {
         format!(
             "[[effects]]\nfamily = \"geometric\"\n\n\
@@ -172,10 +152,10 @@ fn page_json_and_terminal_have_the_same_nonlinear_parameters() {
     // The wave is one turn long: the second range ends just behind it.
     for (range, cut) in [("[5.0, 8.0]", [false, false]), ("[5.0, 6.2832]", [false, true])] {
         folder.write("model.toml", &declared(range));
-        let same = ["identify", "--robot", "robot.toml", "--data", "data.csv", "--model", "model.toml"];
-        let terminal = folder.run(&[&same[..], &["--report", "shaped"]].concat()).ended(0).out;
+        let same = "identify --robot robot.toml --data data.csv --model model.toml";
+        let terminal = folder.run(&format!("{same} --report shaped")).ended(0).out;
         let page = folder.read("shaped/index.html");
-        let json: Value = serde_json::from_str(&folder.read("shaped/identification.json")).unwrap();
+        let json = folder.json("shaped/identification.json");
         let [shape] = &json["shapes"].as_array().unwrap()[..] else { panic!("{json}") };
         assert_eq!(shape["cut"], serde_json::json!(cut), "{range}: {shape}");
         let number = |pointer: &str| significant(shape.pointer(pointer).unwrap().as_f64().unwrap(), 6);
@@ -194,7 +174,7 @@ fn page_json_and_terminal_have_the_same_nonlinear_parameters() {
         );
     }
     // Where nothing was looked for there is no table.
-    folder.run(&["identify", "--robot", "robot.toml", "--data", "data.csv", "--report", "plain"]).ended(0);
+    folder.run("identify --robot robot.toml --data data.csv --report plain").ended(0);
     assert!(!folder.read("plain/index.html").contains("Nonlinear parameters"));
 }
 
@@ -203,8 +183,8 @@ fn names_are_shown_and_not_run() {
     const FILE: &str = "<img src=x onerror=alert(1)>.csv";
     const POSES: &str = "<img src=x onerror=alert(1)> poses.csv";
     const CHANNEL: &str = "<img src=y onerror=alert(2)>";
-    let folder = discovered(EVIL, EVIL);
-    let robot = folder.read("robot.toml").replace("\"T1\"", &format!("{EVIL:?}"));
+    let folder = discovered(EVIL);
+    let robot = folder.read("robot.toml").replace("\"T1\"", &format!("{:?}", EVIL[0]));
     folder.write("robot.toml", &robot);
     // A channel and a file of that name as well.
     let rows: Vec<String> = folder
@@ -213,7 +193,7 @@ fn names_are_shown_and_not_run() {
         .zip(0..)
         .map(|(line, k)| match k {
             0 => format!("{line},{CHANNEL}[degC]"),
-            _ => format!("{},{}", line.replace(",T1,", &format!(",{EVIL},")), 20 + k % 7),
+            _ => format!("{},{}", line.replace(",T1,", &format!(",{},", EVIL[0])), 20 + k % 7),
         })
         .collect();
     folder.write(FILE, &(rows.join("\n") + "\n"));
@@ -242,23 +222,23 @@ fn names_are_shown_and_not_run() {
 
 #[test]
 fn a_run_repeats_and_a_changed_file_is_detected() {
-    let folder = discovered("small", "j1");
-    let said = folder.run(&["verify", "page/run.json"]).ended(0).out;
+    let folder = discovered(PLAIN);
+    let said = folder.run("verify page/run.json").ended(0).out;
     assert!(said.contains("reproduced"), "{said}");
     let before = folder.names();
 
     let result = folder.read("page/discovery.json");
     folder.write("page/discovery.json", &result.replacen("\"rows\": ", "\"rows\": 1", 1));
-    assert!(folder.run(&["verify", "page/run.json"]).ended(1).log.contains("was changed since the run"));
+    assert!(folder.run("verify page/run.json").ended(1).log.contains("was changed since the run"));
     folder.write("page/discovery.json", &result);
 
     let data = folder.read("data.csv");
     folder.write("data.csv", &format!("{data}\n"));
-    assert!(folder.run(&["verify", "page/run.json"]).ended(1).log.contains("data.csv is not the file"));
+    assert!(folder.run("verify page/run.json").ended(1).log.contains("data.csv is not the file"));
     folder.write("data.csv", &data);
 
     folder.write("page/run.json", "{\"format\": 3}");
-    assert!(folder.run(&["verify", "page/run.json"]).ended(2).log.contains("page/run.json"));
+    assert!(folder.run("verify page/run.json").ended(2).log.contains("page/run.json"));
     assert_eq!(folder.names(), before);
 }
 
@@ -274,26 +254,14 @@ fn every_verb_with_a_report_writes_one_that_repeats() {
         ))
         .ended(0);
     folder.run(&with("compare", &["--solver", "qr", "--solver", "svd", "--report", "c"])).ended(0);
-    folder.run(&["predict", "--fit", "fit.json", "--data", "data.csv", "--out", "poses.csv"]).ended(0);
-    folder
-        .run(&[
-            "compensate",
-            "--fit",
-            "fit.json",
-            "--poses",
-            "poses.csv",
-            "--out",
-            "commands.csv",
-            "--report",
-            "k",
-        ])
-        .ended(0);
+    folder.run("predict --fit fit.json --data data.csv --out poses.csv").ended(0);
+    folder.run("compensate --fit fit.json --poses poses.csv --out commands.csv --report k").ended(0);
     for (page, result) in [("i", "identification"), ("c", "comparison"), ("k", "compensation")] {
         let html = folder.read(&format!("{page}/index.html"));
         assert!(html.contains("<svg") && !html.contains("NaN"), "{page}");
         assert!(serde_json::from_str::<Value>(&folder.read(&format!("{page}/{result}.json"))).is_ok());
         folder.run(&["verify", &format!("{page}/run.json")]).ended(0);
     }
-    let judged: Value = serde_json::from_str(&folder.read("i/identification.json")).unwrap();
+    let judged = folder.json("i/identification.json");
     assert_eq!(judged["specification"]["poses"], 40);
 }

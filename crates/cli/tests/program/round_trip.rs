@@ -131,7 +131,7 @@ fn a_held_out_test_set_is_evaluated_and_then_used() {
     let folder = Folder::with_data();
     let run = folder.run(&[IDENTIFY, &["--holdout", "0.25", "--seed", "4"]].concat()).ended(0);
     assert!(run.out.contains(" test set: "), "{}", run.out);
-    let fit: serde_json::Value = serde_json::from_str(&folder.read("fit.json")).unwrap();
+    let fit = folder.json("fit.json");
     assert_eq!(fit["provenance"]["structure_frozen_then_all_rows"], true);
     assert_eq!(fit["provenance"]["rows"], 80);
 }

@@ -47,8 +47,7 @@ fn rms(folder: &Folder, words: &[&str]) -> f64 {
 #[test]
 fn three_installations_are_as_good_as_one() {
     let folder = folder();
-    let told =
-        folder.run(&["identify", "--robot", "robot.toml", "--data", "fit.csv", "--out", "fit.json"]).ended(0);
+    let told = folder.run("identify --robot robot.toml --data fit.csv --out fit.json").ended(0);
     for name in ["north", "2", "hall B"] {
         assert!(told.out.contains(&format!("\n  {name} ")), "{}", told.out);
     }
@@ -73,7 +72,7 @@ fn three_installations_are_as_good_as_one() {
     };
     folder.write("one.csv", &part(false));
     folder.write("one-held.csv", &part(true));
-    folder.run(&["identify", "--robot", "robot.toml", "--data", "one.csv", "--out", "one.json"]).ended(0);
+    folder.run("identify --robot robot.toml --data one.csv --out one.json").ended(0);
     let together =
         rms(&folder, &["predict", "--fit", "one.json", "--data", "one-held.csv", "--out", "q.csv"]);
     assert!(apart < 1.15 * together, "{apart} mm apart, {together} mm together");
@@ -82,7 +81,7 @@ fn three_installations_are_as_good_as_one() {
 #[test]
 fn what_is_not_known_of_a_session_is_asked_for() {
     let folder = folder();
-    folder.run(&["identify", "--robot", "robot.toml", "--data", "fit.csv", "--out", "fit.json"]).ended(0);
+    folder.run("identify --robot robot.toml --data fit.csv --out fit.json").ended(0);
     let predict = |data: &str, more: &[&str]| {
         let words = ["predict", "--fit", "fit.json", "--data", data, "--out", "p.csv"];
         folder.run(&[&words, more].concat())
@@ -100,17 +99,16 @@ fn what_is_not_known_of_a_session_is_asked_for() {
     let first = lines.iter().position(|line| line.ends_with(",hall B")).unwrap();
     lines.truncate(first + 1);
     folder.write("few.csv", &(lines.join("\n") + "\n"));
-    let identify =
-        folder.run(&["identify", "--robot", "robot.toml", "--data", "few.csv", "--out", "few.json"]);
+    let identify = folder.run("identify --robot robot.toml --data few.csv --out few.json");
     let error = identify.ended(INPUT).log;
     assert!(error.contains("session hall B: ") && error.contains("it has 1 pose"), "{error}");
     assert!(!folder.file("few.json").exists());
     // Blocks know nothing of the others.
-    let words = ["identify", "--robot", "robot.toml", "--data", "fit.csv", "--stream", "--out", "s.json"];
-    let error = folder.run(&words).ended(INPUT).log;
+    let words = "identify --robot robot.toml --data fit.csv --stream --out s.json";
+    let error = folder.run(words).ended(INPUT).log;
     assert!(error.contains("a column `session` needs the whole file"), "{error}");
     // An empty name.
     folder.write("empty.csv", &folder.read("fit.csv").replacen(",north\n", ",\n", 1));
-    let error = folder.run(&["check", "--robot", "robot.toml", "--data", "empty.csv"]).ended(INPUT).log;
+    let error = folder.run("check --robot robot.toml --data empty.csv").ended(INPUT).log;
     assert!(error.contains("empty.csv:2: column `session`"), "{error}");
 }

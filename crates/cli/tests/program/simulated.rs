@@ -126,17 +126,17 @@ fn a_plant_is_measured_with_every_kind_and_what_is_identified_predicts_the_truth
     let simulate = ["simulate", "--plant", "plant.toml", "--out", "data.csv", "--truth", "truth.csv"];
     folder.run(&simulate).ended(0);
     let again = folder.read("data.csv");
-    folder.run(&["simulate", "--plant", "plant.toml", "--out", "data.csv"]).ended(0);
+    folder.run("simulate --plant plant.toml --out data.csv").ended(0);
     assert_eq!(again, folder.read("data.csv"));
-    folder.run(&["check", "--robot", "robot.toml", "--data", "data.csv"]).ended(0);
-    let words = ["identify", "--robot", "robot.toml", "--data", "data.csv", "--out", "fit.json", "--json"];
-    let found: serde_json::Value = serde_json::from_str(&folder.run(&words).ended(0).out).unwrap();
+    folder.run("check --robot robot.toml --data data.csv").ended(0);
+    let words = "identify --robot robot.toml --data data.csv --out fit.json --json";
+    let found = folder.run(words).ended(0).json();
     // What scatters is what was simulated: the standard deviations of the kinds, in their units.
     for (name, sd) in [("distance", 0.03), ("plane", 0.03), ("sphere", 0.02), ("linear", 0.04)] {
         let of = kind(&found, name)["sd"].as_f64().unwrap();
         assert!((of / sd).ln().abs() < 0.4, "{name}: {of} for {sd}");
     }
-    folder.run(&["predict", "--fit", "fit.json", "--data", "data.csv", "--out", "p.csv"]).ended(0);
+    folder.run("predict --fit fit.json --data data.csv --out p.csv").ended(0);
     let (predicted, truth) = (places(&folder.read("p.csv")), places(&folder.read("truth.csv")));
     assert_eq!(predicted.len(), truth.len());
     let square = |(a, b): (&[f64; 3], &[f64; 3])| (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>();
@@ -160,13 +160,13 @@ fn what_is_wrong_with_a_plant_s_landmarks_is_told_with_its_place() {
     ] {
         assert!(PLANT.contains(from), "{from}");
         folder.write("plant.toml", &PLANT.replacen(from, to, 1));
-        let run = folder.run(&["simulate", "--plant", "plant.toml", "--out", "data.csv"]).ended(2);
+        let run = folder.run("simulate --plant plant.toml --out data.csv").ended(2);
         assert!(run.log.contains(words), "{words}\n{}", run.log);
         assert!(!folder.file("data.csv").exists());
     }
     folder.write("plant.toml", PLANT);
-    let over = ["simulate", "--plant", "plant.toml", "--out", "data.csv", "--truth", "robot.toml"];
-    folder.run(&over).ended(2);
+    let over = "simulate --plant plant.toml --out data.csv --truth robot.toml";
+    folder.run(over).ended(2);
 }
 
 #[test]
@@ -187,9 +187,9 @@ fn plates_that_are_known_altogether_calibrate_an_arm() {
     folder.write("robot.toml", &robot(&described));
     let head = "robot = \"robot.toml\"\nseed = 3\n\n[errors.geometric]\nposition_mm = 0.3\nangle_mrad = 0.5\n\n[campaign]\nvisits = 0\n";
     folder.write("plant.toml", &format!("{head}{plant}"));
-    folder.run(&["simulate", "--plant", "plant.toml", "--out", "data.csv"]).ended(0);
-    let words = ["identify", "--robot", "robot.toml", "--data", "data.csv", "--out", "fit.json", "--json"];
-    let found: serde_json::Value = serde_json::from_str(&folder.run(&words).ended(0).out).unwrap();
+    folder.run("simulate --plant plant.toml --out data.csv").ended(0);
+    let words = "identify --robot robot.toml --data data.csv --out fit.json --json";
+    let found = folder.run(words).ended(0).json();
     // Held out is a whole plate, which the two others say little of.
     let sd = kind(&found, "plane")["sd"].as_f64().unwrap();
     assert!((sd / 0.02f64).ln().abs() < 0.4, "{sd} mm");
@@ -222,10 +222,10 @@ fn a_soft_arm_is_fitted_to_the_noise() {
     folder.write("robot.toml", &robot);
     folder.write("plant.toml", &plant);
     folder.write("model.toml", &model);
-    folder.run(&["simulate", "--plant", "plant.toml", "--out", "data.csv"]).ended(0);
+    folder.run("simulate --plant plant.toml --out data.csv").ended(0);
     let words =
         ["identify", "--robot", "robot.toml", "--model", "model.toml", "--data", "data.csv", "--json"];
-    let found: serde_json::Value = serde_json::from_str(&folder.run(&words).ended(0).out).unwrap();
+    let found = folder.run(&words).ended(0).json();
     assert_eq!(found["converged"], true, "{:#}", found["warnings"]);
     let sd = found["noise"]["position_sd_mm"].as_f64().unwrap();
     assert!((sd / 0.020).ln().abs() < 0.3, "{sd}");
@@ -250,12 +250,12 @@ fn a_tool_is_found_from_one_tip_where_the_arm_is_frozen() {
     folder.write("tool.toml", "[[effects]]\nfamily = \"geometric\"\nframes = [\"tool\"]\n");
     let plant = "robot = \"robot.toml\"\nseed = 5\n\n[[errors.displacement]]\nframe = \"tool\"\nxyz_mm = [12, -7, 30]\n\n[campaign]\nvisits = 0\n\n[[landmarks]]\nname = \"tip\"\nrows = 8\nxyz_mm = [450, 200, 250]\nsd_um = 20\n";
     folder.write("plant.toml", plant);
-    folder.run(&["simulate", "--plant", "plant.toml", "--out", "data.csv"]).ended(0);
+    folder.run("simulate --plant plant.toml --out data.csv").ended(0);
     let words = ["identify", "--robot", "robot.toml", "--data", "data.csv", "--json", "--out", "fit.json"];
     let all = folder.run(&words).ended(2).log;
     assert!(all.contains("the scale is not determined"), "{all}");
     let run = folder.run(&[&words[..], &["--model", "tool.toml"]].concat()).ended(0);
-    let found: serde_json::Value = serde_json::from_str(&run.out).unwrap();
+    let found = run.json();
     let groups = found["groups"].as_array().unwrap();
     for (axis, true_mm) in [("x", 12.0), ("y", -7.0), ("z", 30.0)] {
         let of = |group: &&serde_json::Value| {

@@ -4,10 +4,6 @@ use crate::folder::Folder;
 use serde_json::Value;
 use std::fmt::Write as _;
 
-fn json(text: &str) -> Value {
-    serde_json::from_str(text).unwrap()
-}
-
 fn number(value: &Value) -> f64 {
     value.as_f64().unwrap_or_else(|| panic!("no number: {value}"))
 }
@@ -16,7 +12,7 @@ fn number(value: &Value) -> f64 {
 #[test]
 fn the_first_name_is_the_most_probable_one() {
     let folder = Folder::empty();
-    folder.run(&["init", "irb120", "--out", "robot.toml"]).ended(0);
+    folder.run("init irb120 --out robot.toml").ended(0);
     folder.write(
         "plant.toml",
         "robot = \"robot.toml\"\nseed = 1\n[errors.geometric]\nposition_mm = 0.3\nangle_mrad = 0.3\n\
@@ -24,11 +20,11 @@ fn the_first_name_is_the_most_probable_one() {
          [instrument]\nsd_um = 15\n[repeatability]\nsd_um = 20\n\
          [campaign]\npostures = \"random\"\nvisits = 70\nrepeats = 1\nvisit_s = 60\n",
     );
-    folder.run(&["simulate", "--plant", "plant.toml", "--out", "data.csv"]).ended(0);
+    folder.run("simulate --plant plant.toml --out data.csv").ended(0);
     let run =
         ["discover", "--robot", "robot.toml", "--data", "data.csv", "--report", "page", "--rivals", "rivals"];
     let out = folder.run(&run).ended(0).out;
-    let found = json(&folder.read("page/discovery.json"));
+    let found = folder.json("page/discovery.json");
     let effect = &found["effects"][0];
     assert_eq!((&effect["family"], &effect["joint"]), (&"transmission".into(), &"j2".into()), "{effect}");
     let coefficient = |k: usize| {
@@ -58,11 +54,7 @@ fn a_specification_is_judged_for_what_will_be_done() {
         let words =
             ["identify", "--robot", "robot.toml", "--data", "data.csv", "--spec", "0.3mm", "--report", "r"];
         let out = folder.run(&[&words[..], correction].concat()).ended(code).out;
-        (
-            out,
-            json(&folder.read("r/identification.json"))["specification"].clone(),
-            folder.read("r/summary.html"),
-        )
+        (out, folder.json("r/identification.json")["specification"].clone(), folder.read("r/summary.html"))
     };
     let (out, of, sheet) = run(&[], 1);
     // The plant errs by 0.4 mm and 0.5 mrad in each frame: nothing that is left of it once it is corrected.
@@ -114,7 +106,7 @@ fn measured_from_afar() -> Folder {
         "robot = \"arm.toml\"\nseed = 3\n[errors.geometric]\nposition_mm = 0.4\nangle_mrad = 0.5\n\
          [instrument]\nsd_um = 20\norientation_urad = 40\n[campaign]\npostures = \"random\"\nvisits = 80\n",
     );
-    folder.run(&["simulate", "--plant", "plant.toml", "--out", "data.csv"]).ended(0);
+    folder.run("simulate --plant plant.toml --out data.csv").ended(0);
     folder
 }
 
@@ -123,12 +115,11 @@ const FROM_URDF: [&str; 5] = ["identify", "--robot", "arm.urdf", "--data", "data
 #[test]
 fn base_and_tool_of_a_urdf_are_found_and_not_fitted_as_errors() {
     let folder = measured_from_afar();
-    let result = json(&folder.run(&[&FROM_URDF[..], &["--out", "fit.json", "--json"]].concat()).ended(0).out);
+    let result = folder.run(&[&FROM_URDF[..], &["--out", "fit.json", "--json"]].concat()).ended(0).json();
     assert_eq!(result["placement"]["found"], serde_json::json!(["base", "tool"]), "{}", result["placement"]);
     assert!(result["assumed"][0].as_str().unwrap().contains("base and tool are found from the data"));
-    let export =
-        ["export", "--fit", "fit.json", "--format", "urdf", "--urdf", "arm.urdf", "--out", "new.urdf"];
-    folder.run(&export).ended(0);
+    let export = "export --fit fit.json --format urdf --urdf arm.urdf --out new.urdf";
+    folder.run(export).ended(0);
     let new = folder.read("new.urdf");
     // The joint on the base and the flange stay as they are; the tracker's frame and the marker are in the comment.
     for joint in ["j1", "flange"] {
@@ -143,12 +134,10 @@ fn base_and_tool_of_a_urdf_are_found_and_not_fitted_as_errors() {
     for (found, truth) in at.iter().zip([3.2, -1.8, 0.4]) {
         assert!((found - truth).abs() < 2e-3, "{at:?}");
     }
-    let known = json(
-        &folder.run(&[&FROM_URDF[..], &["--base-known", "--tool-known", "--json"]].concat()).ended(0).out,
-    );
+    let known =
+        folder.run(&[&FROM_URDF[..], &["--base-known", "--tool-known", "--json"]].concat()).ended(0).json();
     assert!(known.get("assumed").is_none() && number(&known["stages"][0]["train"]["rms_mm"]) > 1000.0);
-    let refused =
-        folder.run(&["identify", "--robot", "arm.toml", "--data", "data.csv", "--base-known"]).ended(2);
+    let refused = folder.run("identify --robot arm.toml --data data.csv --base-known").ended(2);
     assert!(
         refused.log.contains("--base-known is for a URDF: arm.toml states in [base] what is known"),
         "{}",
@@ -194,7 +183,7 @@ fn log(folder: &Folder, timed: bool) -> usize {
 fn a_log_of_a_moving_robot_is_named_and_its_standstills_are_found() {
     let folder = measured_from_afar();
     let rows = log(&folder, true);
-    let check = folder.run(&["check", "--robot", "arm.urdf", "--data", "log.csv"]).ended(0).log;
+    let check = folder.run("check --robot arm.urdf --data log.csv").ended(0).log;
     let advice = "`truepose dwell log.csv --robot ROBOT --out FILE` finds the dwells";
     assert!(
         check.contains("the robot moves at ")
@@ -202,11 +191,10 @@ fn a_log_of_a_moving_robot_is_named_and_its_standstills_are_found() {
         "{check}"
     );
     assert!(check.contains(advice) && !check.contains("--dwell-tolerance"), "{check}");
-    let out =
-        folder.run(&["identify", "--robot", "arm.urdf", "--data", "log.csv", "--folds", "0"]).ended(0).out;
+    let out = folder.run("identify --robot arm.urdf --data log.csv --folds 0").ended(0).out;
     assert!(out.contains("Check the data first: log.csv: the robot moves at "), "{out}");
-    let dwell = ["dwell", "log.csv", "--robot", "arm.urdf", "--out", "m.csv", "--json"];
-    let found = json(&folder.run(&dwell).ended(0).out);
+    let dwell = "dwell log.csv --robot arm.urdf --out m.csv --json";
+    let found = folder.run(dwell).ended(0).json();
     assert_eq!((&found["dwells"], &found["rows"]), (&29.into(), &29.into()));
     assert!((number(&found["lag_s"]) - 0.085).abs() < 4e-3 && number(&found["correlation"]) > 0.9, "{found}");
     // Each is the pose that was measured: to the flicker of the joints and what the tracker had.
@@ -217,14 +205,14 @@ fn a_log_of_a_moving_robot_is_named_and_its_standstills_are_found() {
             assert!((a.parse::<f64>().unwrap() - b.parse::<f64>().unwrap()).abs() < 1e-3, "{mean}\n{pose}");
         }
     }
-    folder.run(&["check", "--robot", "arm.urdf", "--data", "m.csv"]).ended(0);
+    folder.run("check --robot arm.urdf --data m.csv").ended(0);
     log(&folder, false);
-    let check = folder.run(&["check", "--robot", "arm.urdf", "--data", "log.csv"]).ended(0).log;
+    let check = folder.run("check --robot arm.urdf --data log.csv").ended(0).log;
     assert!(check.contains("log the time of each row (column `time[s]`)"), "{check}");
-    let refused = folder.run(&dwell).ended(2).log;
+    let refused = folder.run(dwell).ended(2).log;
     assert!(refused.contains("log.csv: a log needs the time of each row: a column `time[s]`"), "{refused}");
     // Poses that were measured one by one are none.
-    let check = folder.run(&["check", "--robot", "arm.urdf", "--data", "data.csv"]).ended(0).log;
+    let check = folder.run("check --robot arm.urdf --data data.csv").ended(0).log;
     assert!(!check.contains("the robot moves"), "{check}");
 }
 
@@ -245,7 +233,7 @@ fn the_band_of_a_command_is_that_of_its_tool_centre_point() {
     let folder = measured_from_afar();
     folder.run(&[&FROM_URDF[..], &["--out", "fit.json"]].concat()).ended(0);
     folder.run(&[&FROM_URDF[..], &["--positions-only", "--out", "points.json"]].concat()).ended(0);
-    folder.run(&["predict", "--fit", "fit.json", "--data", "data.csv", "--out", "p.csv"]).ended(0);
+    folder.run("predict --fit fit.json --data data.csv --out p.csv").ended(0);
     let commanded = |fit: &str, tcp: &str| {
         let run = ["compensate", "--fit", fit, "--poses", "p.csv", "--tcp", tcp, "--out", "q.csv"];
         let log = folder.run(&run).ended(0).log;
@@ -266,7 +254,7 @@ fn the_band_of_a_command_is_that_of_its_tool_centre_point() {
 #[test]
 fn effective_zero_offsets_are_told_from_the_zeros_themselves() {
     let folder = Folder::empty();
-    folder.run(&["init", "irb120", "--out", "robot.toml"]).ended(0);
+    folder.run("init irb120 --out robot.toml").ended(0);
     folder.write(
         "plant.toml",
         "robot = \"robot.toml\"\nseed = 5\n[[errors.joint_compliance]]\njoint = \"j3\"\nstiffness = 2e4\n\
@@ -274,7 +262,7 @@ fn effective_zero_offsets_are_told_from_the_zeros_themselves() {
          payloads_kg = [0, 3, 6]\n",
     );
     folder.write("model.toml", "[[effects]]\nfamily = \"geometric\"\n[[effects]]\nfamily = \"joint_compliance\"\njoints = [\"j3\"]\n");
-    folder.run(&["simulate", "--plant", "plant.toml", "--out", "data.csv"]).ended(0);
+    folder.run("simulate --plant plant.toml --out data.csv").ended(0);
     let run = [
         "identify",
         "--robot",
@@ -289,7 +277,7 @@ fn effective_zero_offsets_are_told_from_the_zeros_themselves() {
         "p.csv",
     ];
     let out = folder.run(&run).ended(0).out;
-    let parameters = &json(&folder.read("r/identification.json"))["parameters"];
+    let parameters = &folder.json("r/identification.json")["parameters"];
     let apart = parameters["zero_offsets_apart"].as_array().unwrap();
     let of = apart.iter().find(|of| of["joint"] == "j3").unwrap_or_else(|| panic!("{parameters}"));
     let (effective, own, difference) =

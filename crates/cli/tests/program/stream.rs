@@ -12,7 +12,7 @@ fn identify(more: &[&str]) -> Vec<String> {
 fn json(more: &[&str]) -> serde_json::Value {
     let words = identify(more);
     let words: Vec<&str> = words.iter().map(String::as_str).collect();
-    serde_json::from_str(&Folder::empty().run(&words).ended(0).out).unwrap()
+    Folder::empty().run(&words).ended(0).json()
 }
 
 #[test]

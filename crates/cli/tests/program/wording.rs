@@ -139,7 +139,7 @@ fn a_replaced_word_is_found_and_an_exception_is_not() {
 #[test]
 fn help_uses_the_terms_of_the_field() {
     let folder = Folder::empty();
-    let mut text = folder.run(&["--help"]).ended(0).out;
+    let mut text = folder.run("--help").ended(0).out;
     for verb in [
         "identify",
         "discover",
@@ -178,7 +178,7 @@ fn identify_and_discover_use_the_terms_of_the_field() {
         let faults = faults(&format!("{}\n{}\n{page}", run.out, run.log));
         assert!(faults.is_empty(), "{verb}:\n{}", faults.join("\n"));
     }
-    let plan = folder.run(&["plan", "--fit", "fit.json", "--out", "plan.csv", "--count", "5"]).ended(0);
+    let plan = folder.run("plan --fit fit.json --out plan.csv --count 5").ended(0);
     let predict = folder.run(&["predict", "--fit", "fit.json", "--data", &data, "--out", "p.csv"]).ended(0);
     let faults = faults(&format!("{}\n{}\n{}\n{}", plan.out, plan.log, predict.out, predict.log));
     assert!(faults.is_empty(), "{}", faults.join("\n"));

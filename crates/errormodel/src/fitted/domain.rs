@@ -3,7 +3,7 @@
 use super::sample::Sample;
 use crate::{Dataset, RobotPoint};
 use serde::{Deserialize, Serialize};
-use truepose_kinematics::{Conditions, Load, TargetId};
+use truepose_kinematics::{Load, TargetId};
 
 /// A closed range.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -98,11 +98,6 @@ impl Domain {
         self.targets.extend_from_slice(&other.targets);
         self.targets = sorted(std::mem::take(&mut self.targets));
         self.sample.widen(&other.sample);
-    }
-
-    /// True when every joint lies within the range that was seen.
-    pub fn contains_joints(&self, conditions: &Conditions) -> bool {
-        self.joints.iter().zip(&conditions.joints).all(|(range, &q)| range.beyond(q) <= 0.0)
     }
 }
 

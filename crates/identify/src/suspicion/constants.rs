@@ -24,6 +24,7 @@ use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Matrix3, Vector3};
 use truepose_errormodel::effects::Geometric;
 use truepose_errormodel::{Dataset, ErrorModel};
 use truepose_kinematics::{Chain, TargetId};
+use truepose_solvers::kernels::gram;
 use truepose_solvers::order::high_median;
 
 /// Rows that the fit is made of, and rows that are judged at most.
@@ -175,7 +176,7 @@ fn lines(model: &ErrorModel, data: &Dataset, at: &[f64], rows: &[usize]) -> Opti
     Some(rows.iter().map(one).collect())
 }
 
-/// AᵀWA + s² (κS)⁻² and AᵀWy.
+/// The lower triangle of AᵀWA + s² (κS)⁻², and AᵀWy.
 fn normal(
     lines: &[Line],
     wanted: &[Vector3<f64>],
@@ -190,7 +191,8 @@ fn normal(
         tall.rows_mut(3 * k, 3).copy_from(&(&line.a * w.sqrt()));
         y.rows_mut(3 * k, 3).copy_from(&(wanted * w.sqrt()));
     }
-    let mut normal = tall.tr_mul(&tall);
+    let mut normal = DMatrix::zeros(p, p);
+    gram(&mut normal, &tall);
     // Before the first scale is known: a tenth of a millimetre.
     let variance = if scale.is_finite() { (scale * scale).max(1e-12) } else { 1e-8 };
     held.iter().enumerate().for_each(|(k, h)| normal[(k, k)] += variance * h);

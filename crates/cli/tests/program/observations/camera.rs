@@ -29,7 +29,7 @@ fn a_camera_in_the_cell_is_found_and_adds_to_positions() {
     let folder = Folder::empty();
     folder.write("robot.toml", &robot(LANDMARKS));
     folder.write("data.csv", &cell.rows);
-    let run = folder.run(&["identify", "--robot", "robot.toml", "--data", "data.csv"]).ended(INPUT);
+    let run = folder.run("identify --robot robot.toml --data data.csv").ended(INPUT);
     assert!(
         run.log.contains("landmark eye: ") && run.log.contains("the scale is not determined"),
         "{}",
@@ -53,11 +53,11 @@ fn a_tag_of_known_size_on_the_tool_gives_the_scale() {
     let folder = Folder::empty();
     folder.write("robot.toml", &placed.replacen(tool, "known = false", 1));
     folder.write("data.csv", &data);
-    let words = ["identify", "--robot", "robot.toml", "--data", "data.csv", "--out", "fit.json"];
-    let run = folder.run(&words).ended(0);
+    let words = "identify --robot robot.toml --data data.csv --out fit.json";
+    let run = folder.run(words).ended(0);
     assert!(run.log.contains("the targets on the tool alone determine the scale"), "{}", run.log);
     assert!(!run.log.contains("scale is not determined"), "{}", run.log);
-    let found = folder.run(&[&words[..], &["--json"]].concat()).ended(0).out;
+    let found = folder.run(&format!("{words} --json")).ended(0).out;
     let found: serde_json::Value = serde_json::from_str(&found).unwrap();
     let eye = &found["kinds"]["sensors"][0]["values"];
     for (k, at) in EYE.iter().enumerate() {
@@ -74,7 +74,7 @@ fn a_tag_of_known_size_on_the_tool_gives_the_scale() {
         .filter(|line| !line.contains(",c1,") && !line.contains(",c2,") && !line.contains(",c3,"))
         .collect();
     folder.write("data.csv", &(one.join("\n") + "\n"));
-    let log = folder.run(&words).ended(INPUT).log;
+    let log = folder.run(words).ended(INPUT).log;
     assert!(log.contains("landmark eye: the scale is not determined") && !log.contains("the base"), "{log}");
 }
 
@@ -135,8 +135,7 @@ fn what_is_wrong_with_a_camera_is_told_where_it_stands() {
         let folder = Folder::empty();
         folder.write("robot.toml", &robot(&landmarks));
         folder.write("data.csv", &table);
-        let run =
-            folder.run(&["identify", "--robot", "robot.toml", "--data", "data.csv", "--out", "fit.json"]);
+        let run = folder.run("identify --robot robot.toml --data data.csv --out fit.json");
         let log = run.ended(INPUT).log;
         assert!(log.contains(words), "{words}\n{log}");
     }

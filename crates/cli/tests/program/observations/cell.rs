@@ -276,7 +276,7 @@ impl Cell {
             writeln!(table, "{}", q.map(|q| format!("{q:.9}")).join(",")).unwrap();
         }
         folder.write("new.csv", &table);
-        folder.run(&["predict", "--fit", "fit.json", "--data", "new.csv", "--out", "p.csv"]).ended(0);
+        folder.run("predict --fit fit.json --data new.csv --out p.csv").ended(0);
         let predicted = positions(&folder.read("p.csv"));
         let truth: Vec<[f64; 3]> = joints.iter().map(|q| self.arm.tip(q, &self.offsets)).collect();
         let apart = |points: &[[f64; 3]], k: usize| {
@@ -323,8 +323,8 @@ pub fn identified(cell: &Cell, landmarks: &str) -> (Folder, serde_json::Value) {
     let folder = Folder::empty();
     folder.write("robot.toml", &robot(landmarks));
     folder.write("data.csv", &cell.rows);
-    let words = ["identify", "--robot", "robot.toml", "--data", "data.csv", "--out", "fit.json", "--json"];
-    let found = serde_json::from_str(&folder.run(&words).ended(0).out).unwrap();
+    let words = "identify --robot robot.toml --data data.csv --out fit.json --json";
+    let found = folder.run(words).ended(0).json();
     (folder, found)
 }
 

@@ -35,7 +35,7 @@ fn kinds_of_one_number_calibrate_an_arm_without_a_tracker() {
     let lengths = cell.lengths(&folder);
     assert!(lengths < 0.06, "{lengths} mm");
     // Each row has the predicted position of its target, whatever was measured there.
-    folder.run(&["predict", "--fit", "fit.json", "--data", "data.csv", "--out", "q.csv"]).ended(0);
+    folder.run("predict --fit fit.json --data data.csv --out q.csv").ended(0);
     assert_eq!(positions(&folder.read("q.csv")).len(), 300);
 }
 
@@ -51,16 +51,15 @@ fn kinds_beside_positions_are_better_than_positions_alone() {
     assert!(all < 0.7 * positions, "{all} mm, of positions alone {positions} mm");
     assert_eq!(kind(&found, "position")["rows"], 40);
     assert!(kind(&found, "position")["sd"].is_null());
-    let text = together.run(&["identify", "--robot", "robot.toml", "--data", "data.csv"]).ended(0).out;
+    let text = together.run("identify --robot robot.toml --data data.csv").ended(0).out;
     for words in
         ["kinds of observation, RMS", "distance wire: x 1400.", "sphere ball: x 400.", "radius 60.000 mm"]
     {
         assert!(text.contains(words), "{words}\n{text}");
     }
-    let compare =
-        ["compare", "--robot", "robot.toml", "--data", "data.csv", "--solver", "qr", "--solver", "huber(qr)"];
-    assert!(together.run(&compare).ended(0).out.contains("huber(qr)"));
-    together.run(&["check", "--robot", "robot.toml", "--data", "data.csv"]).ended(0);
+    let compare = "compare --robot robot.toml --data data.csv --solver qr --solver huber(qr)";
+    assert!(together.run(compare).ended(0).out.contains("huber(qr)"));
+    together.run("check --robot robot.toml --data data.csv").ended(0);
 }
 
 #[test]
@@ -125,19 +124,8 @@ fn a_compliance_that_the_model_lacks_is_named_by_kinds_of_one_number() {
     let folder = Folder::empty();
     folder.write("robot.toml", &("gravity = [0, 0, -9.81]\n".to_owned() + &robot(LANDMARKS)));
     folder.write("data.csv", &table.rows);
-    let words = [
-        "discover",
-        "--robot",
-        "robot.toml",
-        "--data",
-        "data.csv",
-        "--out",
-        "fit.json",
-        "--report",
-        "r",
-        "--json",
-    ];
-    let found: serde_json::Value = serde_json::from_str(&folder.run(&words).ended(0).out).unwrap();
+    let words = "discover --robot robot.toml --data data.csv --out fit.json --report r --json";
+    let found = folder.run(words).ended(0).json();
     let effects = found["effects"].as_array().unwrap();
     assert!(effects.iter().any(|e| e["family"] == "joint_compliance" && e["joint"] == "j2"), "{effects:#?}");
     assert!(found["kinds"]["kinds"].as_array().unwrap().len() == 2);

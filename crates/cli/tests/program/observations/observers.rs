@@ -1,7 +1,6 @@
 //! A search asks whether the robot is wrong, or what observed it.
 
 use crate::folder::Folder;
-use serde_json::Value;
 use std::cell::Cell;
 use std::ops::ControlFlow::Continue;
 use std::path::Path;
@@ -27,9 +26,9 @@ fn a_lens_that_is_not_the_stated_one_is_blamed_and_found() {
         [[cameras]]\nname = \"eye\"\nimages = 16\nxyz_mm = [40, -50, 60]\nrpy_deg = [1.7, -1.1, 34]\n\
         distance_mm = [250, 500]\nnormal = [0, 0, 1]\nsd_px = 0.1\nfx = 909\nfy = 909\n";
     folder.write("plant.toml", &(plant.to_owned() + &corners));
-    folder.run(&["simulate", "--plant", "plant.toml", "--out", "data.csv"]).ended(0);
-    let run = folder.run(&["discover", "--robot", "robot.toml", "--data", "data.csv", "--json"]).ended(0);
-    let found: Value = serde_json::from_str(&run.out).unwrap();
+    folder.run("simulate --plant plant.toml --out data.csv").ended(0);
+    let run = folder.run("discover --robot robot.toml --data data.csv --json").ended(0);
+    let found = run.json();
     let observers = &found["observers"];
     assert_eq!(observers["suspects"][0]["what"], "lens", "{observers}");
     assert_eq!(observers["preferred"], true);

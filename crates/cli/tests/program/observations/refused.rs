@@ -110,8 +110,7 @@ fn what_is_wrong_with_an_observation_is_told_where_it_stands() {
         let folder = Folder::empty();
         folder.write("robot.toml", &robot(&landmarks));
         folder.write("data.csv", &table);
-        let run =
-            folder.run(&["identify", "--robot", "robot.toml", "--data", "data.csv", "--out", "fit.json"]);
+        let run = folder.run("identify --robot robot.toml --data data.csv --out fit.json");
         assert!(!folder.file("fit.json").exists(), "{words}\n{}", run.log);
         let log = run.ended(INPUT).log;
         assert!(log.contains(words), "{words}\n{log}");
@@ -121,7 +120,7 @@ fn what_is_wrong_with_an_observation_is_told_where_it_stands() {
     let folder = Folder::empty();
     folder.write("robot.toml", &robot(LANDMARKS));
     folder.write("data.csv", &cell.rows);
-    let log = folder.run(&["identify", "--robot", "robot.toml", "--data", "data.csv"]).ended(0).log;
+    let log = folder.run("identify --robot robot.toml --data data.csv").ended(0).log;
     assert!(log.contains("no row observed landmark ball"), "{log}");
 }
 
@@ -132,7 +131,7 @@ fn a_test_set_is_not_drawn_from_rows_that_are_left_out_by_landmarks() {
     let folder = Folder::empty();
     folder.write("robot.toml", &robot(LANDMARKS));
     folder.write("data.csv", &cell.rows);
-    let words = ["identify", "--robot", "robot.toml", "--data", "data.csv", "--holdout", "0.2"];
-    let log = folder.run(&words).ended(INPUT).log;
+    let words = "identify --robot robot.toml --data data.csv --holdout 0.2";
+    let log = folder.run(words).ended(INPUT).log;
     assert!(log.contains("--holdout: rows that share a landmark are left out together"), "{log}");
 }

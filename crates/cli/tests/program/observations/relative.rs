@@ -28,17 +28,15 @@ fn series_in_frames_of_their_own_calibrate_the_arm() {
     assert!(number("before") > 5.0 * number("held_out") && number("held_out") < 0.15, "{of:#}");
     let lengths = cell.lengths(&folder);
     assert!(lengths < 0.06, "{lengths} mm");
-    let words = ["identify", "--robot", "robot.toml", "--data", "data.csv"];
-    let log = folder.run(&words).ended(0).log;
+    let words = "identify --robot robot.toml --data data.csv";
+    let log = folder.run(words).ended(0).log;
     assert!(
         log.contains("the base is not determined") && !log.contains("the scale is not determined"),
         "{log}"
     );
-    folder.run(&["check", "--robot", "robot.toml", "--data", "data.csv"]).ended(0);
-    folder.run(&["predict", "--fit", "fit.json", "--data", "data.csv", "--out", "q.csv"]).ended(0);
-    folder
-        .run(&["discover", "--robot", "robot.toml", "--data", "data.csv", "--out", "d.json", "--report", "r"])
-        .ended(0);
+    folder.run("check --robot robot.toml --data data.csv").ended(0);
+    folder.run("predict --fit fit.json --data data.csv --out q.csv").ended(0);
+    folder.run("discover --robot robot.toml --data data.csv --out d.json --report r").ended(0);
 }
 
 #[test]
@@ -72,7 +70,7 @@ fn what_is_wrong_with_a_series_is_told_where_it_stands() {
         let folder = Folder::empty();
         folder.write("robot.toml", &robot(&landmarks));
         folder.write("data.csv", &table);
-        let log = folder.run(&["identify", "--robot", "robot.toml", "--data", "data.csv"]).ended(INPUT).log;
+        let log = folder.run("identify --robot robot.toml --data data.csv").ended(INPUT).log;
         assert!(log.contains(words), "{words}\n{log}");
     }
 }
