@@ -93,8 +93,9 @@ pub fn transfer(
     options: TransferOptions,
 ) -> Result<Transfer, UpkeepError> {
     let unknown = options.installation.unknown(fitted.chain())?;
-    let placement = place_fitted(fitted, &unknown, data)?.checked()?;
+    let placement = place_fitted(fitted, &unknown, data)?;
     let sites = options.installation.sites(&placement, &seen(data), oriented(fitted, data))?;
+    let placement = placement.checked()?;
     let (mut now, places) = with_columns(&fitted.on(placement.chain.clone())?, &sites)?;
     let prior = now.clone();
     let mut estimate = None;

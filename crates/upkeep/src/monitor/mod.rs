@@ -182,7 +182,7 @@ fn look(fitted: &FittedModel, data: &Dataset, options: MonitorOptions) -> Result
         let value = options.alpha;
         return Err(UpkeepError::Option { option: "alpha", value, expected: "between 0 and 1" });
     }
-    let placement = place_fitted(fitted, &options.installation.unknown(fitted.chain())?, data)?.checked()?;
+    let placement = place_fitted(fitted, &options.installation.unknown(fitted.chain())?, data)?;
     let sites = options.installation.sites(&placement, &seen(data), oriented(fitted, data))?;
     // Its rows were measured in the installation of the fit.
     let tails = Tails::of(fitted)?;
