@@ -63,16 +63,19 @@ impl Plot {
         self
     }
 
-    /// Points, of which those outside of the plot are counted and drawn at its edge.
+    /// Points, of which those outside of the plot are counted and drawn at its edge; few of them are larger, and hide nothing.
     pub(crate) fn dots(&mut self, class: &str, points: impl Iterator<Item = (f64, f64)>) {
-        let mut path = String::new();
+        const FEW: usize = 60;
+        let (mut path, mut count) = (String::new(), 0);
         for (x, y) in points.filter(|(x, y)| x.is_finite() && y.is_finite()) {
             self.outside += usize::from(y < self.y[0] || y > self.y[1]);
             let y = y.clamp(self.y[0], self.y[1]);
             let _ = write!(path, "M{:.1} {:.1}h0", self.across(x), self.down(y));
+            count += 1;
         }
         if !path.is_empty() {
-            let _ = write!(self.body, "<path class=\"{class}\" d=\"{path}\"/>");
+            let few = if count <= FEW && class.ends_with("dots") { " few" } else { "" };
+            let _ = write!(self.body, "<path class=\"{class}{few}\" d=\"{path}\"/>");
         }
     }
 

@@ -11,7 +11,7 @@
     canvas.width = Math.round(w * ratio); canvas.height = Math.round(h * ratio);
     ctx.setTransform(ratio, 0, 0, ratio, 0, 0);
     ctx.fillStyle = colour("--paper"); ctx.fillRect(0, 0, w, h);
-    var scale = 0.6 * Math.min(w, h) / data.size, mid = data.middle;
+    var scale = 0.48 * Math.min(w, h) / data.size, mid = data.middle;
     var ca = Math.cos(azimuth), sa = Math.sin(azimuth), ch = Math.cos(height), sh = Math.sin(height);
     function at(x, y, z) {
       x -= mid[0]; y -= mid[1]; z -= mid[2];

@@ -120,6 +120,17 @@ impl Page {
         let largest = list.iter().flat_map(|stick| &stick.errors).map(length).fold(0.0, f64::max);
         // A round factor, so that lengths can be read.
         let factor = if largest > 0.0 { round_down(2.0 * ARROW * size / largest) } else { 0.0 };
+        // What is drawn fits from every side.
+        let displaced = |from: &[f64; 3], by: &[f64; 3]| {
+            [0, 1, 2].map(|axis| from[axis] + factor * by[axis] - middle[axis])
+        };
+        let ends = |stick: &Stick| {
+            let corners = stick.corners.iter().map(|corner| displaced(corner, &[0.0; 3]));
+            let moved = stick.corners.iter().zip(&stick.moved).map(|(corner, by)| displaced(corner, by));
+            let arrows = stick.errors.iter().map(|error| displaced(&stick.point, error));
+            corners.chain(moved).chain(arrows).map(|end| length(&end)).fold(0.0, f64::max)
+        };
+        let reach = list.iter().map(ends).fold(0.0, f64::max);
         let arrows = if largest > 0.0 {
             format!(
                 "; arrows: {} × {}, largest {} mm",
@@ -138,7 +149,7 @@ impl Page {
             "poses": list.iter().map(|stick| serde_json::json!({
                 "line": flat(&stick.corners), "at": flat(&[stick.point]), "errors": flat(&stick.errors), "moved": flat(&stick.moved), "name": stick.label,
             })).collect::<Vec<_>>(),
-            "factor": factor, "size": rounded(size), "middle": middle.map(rounded), "words": about,
+            "factor": factor, "size": rounded(reach), "middle": middle.map(rounded), "words": about,
         });
         let data = data.to_string().replace('<', "\\u003c");
         self.title(words.title);
@@ -157,7 +168,7 @@ impl Page {
             &about,
             list.iter().map(|stick| (&stick.corners[..], &stick.moved[..], &stick.point, &stick.errors[..])),
             middle,
-            size,
+            reach,
             factor,
         );
         self.fallback_figure("robot", &svg);
