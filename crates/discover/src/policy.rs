@@ -130,6 +130,9 @@ constants! {
         /// Independent tests that a screen is worth where a candidate is compared with a wander: between the 400 that the level of the
         /// resampling test is worth for one unknown (a statistic of 21) and the 10⁴ that are made. Convention.
         dependence_tests: f64 = 1000.0;
+        /// Factor on the p of an effect that follows the time: a wander whose time constant is estimated from tens of poses is not
+        /// distinguishable from a slow effect (autocorrelation 0.9, 40 to 90 poses). In-sample on 190 such campaigns without a cause.
+        slow_tests: f64 = 10.0;
         /// p of joints that do not scatter below which their scatter joins the noise of a search that found no further effect: one campaign in a
         /// thousand has it for nothing. Convention.
         joint_noise_level: f64 = 0.001;

@@ -154,9 +154,13 @@ pub(crate) fn collect(
     };
     // What is refused without a wander is refused beside it.
     let policy = (&options.policy, options.alpha);
-    if evidence.doubt_beyond_size(policy, competitor.candidate.follows_time()).is_none() {
+    let slow = competitor.candidate.follows_time();
+    if evidence.doubt_beyond_size(policy, slow).is_none() {
         let beside = wander.p_value(&competitor.columns, competitor.freedom);
         evidence.p_value = beside.map_or(p_value, |beside| beside.max(p_value));
+        if slow {
+            evidence.p_value = (options.policy.slow_tests * evidence.p_value).min(1.0);
+        }
         if evidence.p_value <= options.alpha {
             let beside = wander.joints.p_value(&competitor.columns, competitor.freedom);
             evidence.p_value = beside.filter(|beside| *beside > options.alpha).unwrap_or(evidence.p_value);
