@@ -54,7 +54,7 @@ fn nothing_is_found_in_noise() {
     assert_eq!((found.held_out, found.holdout_rows.len()), (HeldOut::NestedFolds, 180));
 }
 
-/// The level that is asked for is the one that is held: the p of what is left decides on either side of it.
+/// The stated level is the one that is held: the p of what is left decides on either side of it.
 #[test]
 fn nothing_is_left_where_p_is_above_the_level_and_only_there() {
     let chain = with_three_targets(&samples::ur10());

@@ -1,7 +1,7 @@
 //! Arms on a track and below a gantry: the true simulated robot is driven to the corrected points of a program whose external axes
 //! are joints of the fit. The controller is plain code here: Newton's method on its nominal robot, with the external axes where the program has them.
 
-use crate::programs::{arm, identified_from, plant};
+use crate::programs::{arm, identified_from, plant, solved};
 use crate::taught_frames::{rms, three_points};
 use nalgebra::{DMatrix, DVector, Unit, Vector3};
 use truepose_compensate::installation;
@@ -16,30 +16,6 @@ use truepose_simulate::{Campaign, Plant};
 type External = Vec<(String, f64)>;
 
 const NEAR: [f64; 6] = [0.5, -1.2, 1.3, 0.3, 0.9, 0.2];
-
-/// Robot joints, behind `held` ones, for which a pose of all joints is the wanted one.
-pub fn solved(pose: impl Fn(&[f64]) -> Pose, wanted: &Pose, start: &[f64], free: &[usize]) -> Vec<f64> {
-    let mut joints = start.to_vec();
-    let gap = |joints: &[f64]| {
-        let at = pose(joints);
-        let turn = rotation_log(&(wanted.rotation * at.rotation.transpose()));
-        let shift = wanted.translation - at.translation;
-        DVector::from_iterator(6, shift.iter().chain(turn.iter()).copied())
-    };
-    for _ in 0..15 {
-        let mut jacobian = DMatrix::zeros(6, 6);
-        for (column, &k) in free.iter().enumerate() {
-            let (mut plus, mut minus) = (joints.clone(), joints.clone());
-            plus[k] += 1e-5;
-            minus[k] -= 1e-5;
-            jacobian.set_column(column, &((gap(&minus) - gap(&plus)) / 2e-5));
-        }
-        let step = jacobian.lu().solve(&gap(&joints)).expect("a regular posture");
-        free.iter().zip(step.iter()).for_each(|(&k, step)| joints[k] += step);
-    }
-    assert!(gap(&joints).norm() < 1e-8, "the pose is reached");
-    joints
-}
 
 fn slide(name: &str, at: Pose, axis: [f64; 3], limit: f64) -> Joint {
     let axis = Unit::new_normalize(Vector3::from(axis));

@@ -1,4 +1,4 @@
-//! As few measured poses as there are unknowns: the stated uncertainty has to hold where residuals say next to nothing.
+//! As few measured poses as there are unknowns: the stated uncertainty has to hold where residuals contain next to nothing.
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;

@@ -1,8 +1,8 @@
 //! Work on a positioner: robot and positioner are one fit, a tree, and the true simulated robot is driven to the corrected points on the true positioner.
 
-use crate::external_axes::{assert_never_worse, solved};
+use crate::external_axes::assert_never_worse;
 use crate::leaning::share_within;
-use crate::programs::{arm, plant};
+use crate::programs::{arm, plant, solved};
 use crate::taught_frames::rms;
 use nalgebra::{Unit, Vector3};
 use truepose_compensate::installation;

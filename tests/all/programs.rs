@@ -78,27 +78,27 @@ pub fn flange(chain: &Chain, joints: &[f64]) -> Pose {
     chain.base().pose.inverse() * chain.forward(joints) * chain.tool().pose.inverse()
 }
 
-/// The controller's joints for a flange pose, near some joints.
-fn solved(chain: &Chain, wanted: &Pose, near: &[f64]) -> Vec<f64> {
-    let mut joints = near.to_vec();
+/// Joints for which a pose of them is the wanted one, by Newton's method from `start`; those that are not `free` keep their values.
+pub fn solved(pose: impl Fn(&[f64]) -> Pose, wanted: &Pose, start: &[f64], free: &[usize]) -> Vec<f64> {
+    let mut joints = start.to_vec();
     let gap = |joints: &[f64]| {
-        let at = flange(chain, joints);
+        let at = pose(joints);
         let turn = rotation_log(&(wanted.rotation * at.rotation.transpose()));
         let shift = wanted.translation - at.translation;
         DVector::from_iterator(6, shift.iter().chain(turn.iter()).copied())
     };
-    for _ in 0..12 {
+    for _ in 0..15 {
         let mut jacobian = DMatrix::zeros(6, 6);
-        for k in 0..6 {
+        for (column, &k) in free.iter().enumerate() {
             let (mut plus, mut minus) = (joints.clone(), joints.clone());
-            plus[k] += 1e-6;
-            minus[k] -= 1e-6;
-            jacobian.set_column(k, &((gap(&minus) - gap(&plus)) / 2e-6));
+            plus[k] += 1e-5;
+            minus[k] -= 1e-5;
+            jacobian.set_column(column, &((gap(&minus) - gap(&plus)) / 2e-5));
         }
         let step = jacobian.lu().solve(&gap(&joints)).expect("a regular posture");
-        joints.iter_mut().zip(step.iter()).for_each(|(joint, step)| *joint += step);
+        free.iter().zip(step.iter()).for_each(|(&k, step)| joints[k] += step);
     }
-    assert!(gap(&joints).norm() < 1e-9, "the controller reaches its pose");
+    assert!(gap(&joints).norm() < 1e-8, "the pose is reached");
     joints
 }
 
@@ -335,7 +335,12 @@ fn misses(dialect: Dialect, plant: &Plant, fitted: &FittedModel) -> (f64, f64, f
                 values.iter().map(|v| (v / 10_000.0).to_radians()).collect()
             }
             Value::Joints(values) => values.iter().map(|v| v * dialect.angle()).collect(),
-            Value::Pose { pose, .. } => solved(chain, &(frame() * *pose * tool().inverse()), corrected),
+            Value::Pose { pose, .. } => solved(
+                |q| flange(chain, q),
+                &(frame() * *pose * tool().inverse()),
+                corrected,
+                &[0, 1, 2, 3, 4, 5],
+            ),
         };
         let desired = found.base * flange(chain, nominal) * found.tool;
         let target = Target::at(desired.translation).turned(desired.rotation);

@@ -1,7 +1,7 @@
 //! A fixture whose frame, and a tool whose tip, were taught with the uncorrected robot: the true simulated robot is driven to corrected
 //! points, and the error is that relative to the fixture.
 
-use crate::programs::{arm, flange, identified, plant};
+use crate::programs::{arm, flange, identified, plant, solved};
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use truepose_compensate::installation;
 use truepose_controllers::{
@@ -14,28 +14,9 @@ use truepose_simulate::Plant;
 
 const NEAR: [f64; 6] = [0.5, -1.2, 1.3, 0.3, 0.9, 0.2];
 
-/// Joints for which a pose of the joints is the wanted one, by Newton's method.
-fn solved(pose: impl Fn(&[f64]) -> Pose, wanted: &Pose) -> Vec<f64> {
-    let mut joints = NEAR.to_vec();
-    let gap = |joints: &[f64]| {
-        let at = pose(joints);
-        let turn = rotation_log(&(wanted.rotation * at.rotation.transpose()));
-        let shift = wanted.translation - at.translation;
-        DVector::from_iterator(6, shift.iter().chain(turn.iter()).copied())
-    };
-    for _ in 0..15 {
-        let mut jacobian = DMatrix::zeros(6, 6);
-        for k in 0..6 {
-            let (mut plus, mut minus) = (joints.clone(), joints.clone());
-            plus[k] += 1e-5;
-            minus[k] -= 1e-5;
-            jacobian.set_column(k, &((gap(&minus) - gap(&plus)) / 2e-5));
-        }
-        let step = jacobian.lu().solve(&gap(&joints)).expect("a regular posture");
-        joints.iter_mut().zip(step.iter()).for_each(|(joint, step)| *joint += step);
-    }
-    assert!(gap(&joints).norm() < 1e-8, "the pose is reached");
-    joints
+/// Joints of an arm of six for which a pose of them is the wanted one.
+fn reached(pose: impl Fn(&[f64]) -> Pose, wanted: &Pose) -> Vec<f64> {
+    solved(pose, wanted, &NEAR, &[0, 1, 2, 3, 4, 5])
 }
 
 fn really(plant: &Plant, joints: &[f64]) -> Pose {
@@ -76,7 +57,7 @@ impl Fixture {
         let turned = |place: Vector3<f64>| Pose::new(start.rotation, real.apply(&place));
         let corners = [Vector3::zeros(), Vector3::new(0.4, 0.0, 0.0), Vector3::new(0.05, 0.3, 0.0)];
         // The robot is jogged until it touches.
-        let joints = corners.map(|corner| solved(|q| really(&plant, q), &turned(corner)));
+        let joints = corners.map(|corner| reached(|q| really(&plant, q), &turned(corner)));
         let tips: Vec<Vector3<f64>> = joints.iter().map(|q| (flange(chain, q) * tool).translation).collect();
         let words = ["origin", "x", "xy"];
         let touched = (0..3).map(|k| touched(words[k], k + 2, &joints[k])).collect();
@@ -99,7 +80,7 @@ impl Fixture {
         let turns = [[0.0, 0.0, 0.0], [0.4, 0.0, 0.0], [-0.4, 0.2, 0.0], [0.0, 0.4, 0.4], [0.1, -0.4, 0.5]];
         let joints = turns.map(|turn| {
             let turned = tip.rotation * rotation_vector(&Vector3::from(turn));
-            solved(|q| really(plant, q), &Pose::new(turned, tip.translation))
+            reached(|q| really(plant, q), &Pose::new(turned, tip.translation))
         });
         let (mut left, mut right) = (DMatrix::zeros(15, 6), DVector::zeros(15));
         for (k, q) in joints.iter().enumerate() {
@@ -161,7 +142,7 @@ impl Fixture {
         });
         let one = |(pose, meant): (Pose, &Pose)| {
             let nominal = |q: &[f64]| flange(self.plant.chain(), q) * self.tool;
-            let joints = solved(nominal, &(self.frame * pose));
+            let joints = reached(nominal, &(self.frame * pose));
             (really(&self.plant, &joints).translation - self.real.apply(&meant.translation)).norm()
         };
         poses.zip(&self.points).map(one).collect()
@@ -214,7 +195,7 @@ fn points_of_a_taught_fixture_are_right_relative_to_the_fixture() {
     let turned = really(&fixture.plant, &NEAR).rotation;
     let joints = axes.map(|(_, x, y)| {
         let place = fixture.real.apply(&Vector3::new(x, y, 0.0));
-        solved(|q| really(&fixture.plant, q), &Pose::new(turned, place))
+        reached(|q| really(&fixture.plant, q), &Pose::new(turned, place))
     });
     let tips = joints.clone().map(|q| (flange(chain, &q) * fixture.tool).translation);
     let along = (tips[1] - tips[0]).normalize();

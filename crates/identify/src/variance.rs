@@ -77,12 +77,12 @@ struct Stratum<'a> {
 }
 
 impl Stratum<'_> {
-    /// τ of these numbers, of which the others have another. Where hardly any degree of freedom is left, residuals say next to nothing: the model
+    /// τ of these numbers, of which the others have another. Where hardly any degree of freedom is left, residuals contain next to nothing: the model
     /// follows them, and the fit would end at a τ of zero with intervals of zero. With fewer than [`FEW`] degrees of freedom up to one more
     /// number counts that is as large as the usual τ, times the factor that all numbers have in common; with fewer than [`FEW_IN_ALL`] that
     /// factor is held towards one in the same way. Stated standard deviations need none of it.
     fn beside(&self, others: &Stratum<'_>) -> f64 {
-        /// Degrees of freedom of one unit from which on they speak for themselves.
+        /// Degrees of freedom of one unit from which on they alone decide.
         const FEW: f64 = 12.0;
         /// The same of all numbers.
         const FEW_IN_ALL: f64 = 6.0;
@@ -361,7 +361,7 @@ mod tests {
         let alone = Stratum { values: &positions, freedom: 0.5, usual: 1e-4 };
         let nothing = Stratum { values: &[], freedom: 0.0, usual: 3e-4 };
         assert!((alone.beside(&nothing) / 1e-4 - 1.0).abs() < 0.5);
-        // With degrees of freedom, or with stated deviations, they speak for themselves.
+        // With degrees of freedom, or with stated deviations, they alone decide.
         assert!(of(&positions, 0.0, [20.0, 20.0])[0] < 2e-9);
         assert!(of(&positions, 1e-5, [0.5, 20.0])[0] < 1e-12);
     }

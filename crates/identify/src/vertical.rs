@@ -15,7 +15,7 @@ const TILTED: f64 = 0.1;
 const POSES: usize = 300;
 /// p of the test of folds below which one direction is the better one, and the most that its held-out RMS is of the other's. Convention.
 const CLEAR: (f64, f64) = (0.01, 0.95);
-/// Most folds of the comparison, and the fewest that can tell the directions apart.
+/// Most folds of the comparison, and the fewest that distinguish the directions.
 const FOLDS: (usize, usize) = (10, 3);
 
 /// A direction of gravity that was assumed.

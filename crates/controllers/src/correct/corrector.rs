@@ -182,7 +182,7 @@ impl<'m> Corrector<'m> {
                     branch: branch.clone(),
                     stated: false,
                 };
-                // The arm of the search stands where its external axes are at zero.
+                // The arm of the search is where its external axes are at zero.
                 let flange = self.external.shift(self.chain, &values).inverse() * placed.flange();
                 let before = before.of(|joints| self.external.of_robot(joints));
                 let inverse = self.inverse()?;

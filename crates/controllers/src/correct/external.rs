@@ -28,7 +28,7 @@ pub(super) type Values = Vec<f64>;
 
 impl External {
     /// # Errors
-    /// When a joint is not there, or stands twice.
+    /// When a joint is not there, or is named twice.
     pub(super) fn new(chain: &Chain, options: &CorrectOptions) -> Result<External, ControllerError> {
         let mut axes: Vec<(String, usize)> = Vec::new();
         for (axis, joint) in &options.external {
@@ -100,7 +100,7 @@ impl External {
         self.axes.iter().map(one).collect()
     }
 
-    /// How far the arm stands from where it is with its external axes at zero, in the base of the description.
+    /// How far the arm is from where it is with its external axes at zero, in the base of the description.
     pub(super) fn shift(&self, chain: &Chain, values: &[f64]) -> Pose {
         if !self.front || self.axes.is_empty() {
             return Pose::IDENTITY;

@@ -12,7 +12,7 @@ pub(super) struct Work(Vec<(String, ToolId)>);
 
 impl Work {
     /// # Errors
-    /// When a tool is not there or the robot itself carries it, or a frame stands twice or was taught.
+    /// When a tool is not there or the robot itself carries it, or a frame is named twice or was taught.
     pub(super) fn new(
         chain: &Chain,
         external: &External,

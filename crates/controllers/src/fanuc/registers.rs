@@ -33,7 +33,7 @@ pub(super) fn known(text: &[u8]) -> impl Iterator<Item = i64> {
     read(text).into_iter().filter(|(_, register)| !register.parts.is_empty()).map(|(number, _)| number)
 }
 
-/// A register as it stands.
+/// A register with its value.
 #[derive(Debug, Default)]
 struct Register {
     line: usize,

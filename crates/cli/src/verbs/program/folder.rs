@@ -115,7 +115,7 @@ pub(crate) fn whole(fitted: &FittedModel, from: &Path, asked: &Asked<'_>) -> Res
     Ok(all)
 }
 
-/// Programs as one, with the offsets of all of them where they are asked for.
+/// Programs as one, with the offsets of all of them where they are wanted.
 fn joined(from: &Path, made: Vec<Rewritten>, short: &dyn Fn(&Path) -> PathBuf) -> Result<Rewritten, Failure> {
     let mut all =
         Rewritten { view: merged(from, &made, short), notes: notes(&made, short), ..Rewritten::default() };

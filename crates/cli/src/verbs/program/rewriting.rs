@@ -36,7 +36,7 @@ pub(crate) struct Rewritten {
     pub notes: Vec<String>,
     /// Names of options that it does not have, and in words.
     pub unused: Vec<(String, String)>,
-    /// Its points by what other value of a frame or a tool would correct them, where that is asked for.
+    /// Its points by what other value of a frame or a tool would correct them, where that is wanted.
     pub gathered: Gathered,
     /// Of each of its files those points.
     pub labels: Vec<Labels>,
