@@ -1,6 +1,8 @@
 //! The two kinds of failure of a run.
 
+use std::any::Any;
 use std::fmt;
+use truepose_workflow::WorkflowError;
 
 /// Why a run failed.
 #[derive(Debug)]
@@ -11,16 +13,6 @@ pub enum Failure {
     Input(String),
     /// The robot that is monitored has changed, as the output says: exit code 3.
     Changed,
-}
-
-impl Failure {
-    /// What went wrong, without the word in front of it.
-    pub fn message(self) -> String {
-        match self {
-            Failure::Criterion(message) | Failure::Input(message) => message,
-            Failure::Changed => self.to_string(),
-        }
-    }
 }
 
 impl fmt::Display for Failure {
@@ -38,10 +30,14 @@ impl fmt::Display for Failure {
     }
 }
 
-/// Every error of a library is about the input.
-impl<E: std::error::Error> From<E> for Failure {
+/// Every error of a library is about the input. One about an option names it as it is typed.
+impl<E: std::error::Error + 'static> From<E> for Failure {
     fn from(error: E) -> Self {
-        Failure::Input(error.to_string())
+        let option = match (&error as &dyn Any).downcast_ref() {
+            Some(WorkflowError::InvalidOption { .. }) => "--",
+            _ => "",
+        };
+        Failure::Input(format!("{option}{error}"))
     }
 }
 

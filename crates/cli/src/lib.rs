@@ -3,15 +3,11 @@
 mod args;
 mod extensions;
 mod failure;
-pub mod front;
-mod library;
 mod progress;
-mod recorded;
 mod space;
 mod terminal;
 mod typed;
 mod verbs;
-mod verdict;
 mod watch;
 
 pub use extensions::Extensions;

@@ -4,8 +4,10 @@ use crate::terminal;
 use crate::watch::Watch;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
+use std::ops::ControlFlow;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
+use truepose_workflow::{Interim, Observer};
 
 /// Seconds between two lines where stderr is no terminal: a short run writes none.
 const LINES: f64 = 30.0;
@@ -68,6 +70,42 @@ impl Progress {
         self.watch.doing(word);
         self.bar.set_message(word.to_string());
         self.bar.inc(1);
+    }
+}
+
+/// Shows steps and remarks of a run at the terminal.
+pub struct Shown<'a> {
+    progress: Progress,
+    interim: Option<&'a (dyn Fn(Interim) + Sync)>,
+}
+
+impl<'a> Shown<'a> {
+    /// With this bar.
+    pub fn new(progress: Progress) -> Self {
+        Shown { progress, interim: None }
+    }
+
+    /// With this for what a search has found so far.
+    pub fn with_interim(self, interim: &'a (dyn Fn(Interim) + Sync)) -> Self {
+        Shown { interim: Some(interim), ..self }
+    }
+}
+
+impl Observer for Shown<'_> {
+    fn step(&self, words: &str) -> ControlFlow<()> {
+        self.progress.begin(words);
+        ControlFlow::Continue(())
+    }
+
+    fn remark(&self, words: &str) {
+        self.progress.bar.suspend(|| terminal::warn(&[words]));
+    }
+
+    fn interim(&self, so_far: Interim) -> ControlFlow<()> {
+        if let Some(keep) = self.interim {
+            keep(so_far);
+        }
+        ControlFlow::Continue(())
     }
 }
 

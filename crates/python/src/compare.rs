@@ -2,17 +2,17 @@
 
 use crate::data::Data;
 use crate::error::input;
-use crate::identify::campaign;
+use crate::inputs::inputs;
 use crate::model::Model;
 use crate::options::{prior, solver, split};
 use crate::robot::Robot;
 use crate::run::supervised;
 use pyo3::prelude::*;
-use truepose_cli::front;
 use truepose_errormodel::ErrorModel;
 use truepose_identify::{FitOptions, Folds, compare as compared, place};
 use truepose_report::ComparisonSummary;
 use truepose_solvers::{PivotedQr, Solver};
+use truepose_workflow::{Campaign, Observer, split_words};
 
 /// The summary as JSON and as text.
 #[pyfunction]
@@ -30,32 +30,28 @@ pub fn compare(
     prior_strength: &Bound<'_, PyAny>,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<(String, String)> {
-    let (chain, rows, info) = (robot.chain.clone(), data.data.clone(), data.info.clone());
-    let said = (robot.beside.rules, (*robot.beside.surroundings).clone());
-    let model = Model::of(py, model, &chain)?;
+    let model = Model::of(py, model, &robot.chain)?;
     let raised = model.raised.clone();
     let made = solvers.iter().map(|text| solver(text)).collect::<PyResult<Vec<_>>>()?;
     let solvers: Vec<(String, Box<dyn Solver>)> = made.into_iter().map(|(made, text)| (text, made)).collect();
-    let Some(split) = split(&rows, folds, split_kind, seed, None)? else {
+    let Some(split) = split(&data.data, folds, split_kind, seed)? else {
         return Err(input("a comparison needs at least 2 folds, and 2 configurations"));
     };
     let options = FitOptions { prior: prior(prior_strength)?, ..FitOptions::default() };
-    let effects = model.effects;
+    let inputs = inputs(robot, data, model.effects);
     supervised(py, progress, vec![raised], move |working| {
-        crate::model::prepare(&effects, &chain, &rows)?;
+        crate::model::prepare(&inputs.effects, &inputs.chain, &inputs.data)?;
         let plain = PivotedQr::default();
-        let campaign = campaign(said, (&chain, &effects, &rows), &info, (&plain, &options))?;
-        let (chain, effects, rows) = match &campaign {
-            Some(campaign) => (campaign.chain(), campaign.effects().to_vec(), campaign.data()),
-            None => (&*chain, effects, &*rows),
-        };
+        let (Campaign { chain, effects, data: rows, .. }, _) =
+            Campaign::new(inputs, (&plain, &options), true).map_err(input)?;
+        let (chain, rows) = (&chain, &*rows);
         let placed = place(chain, rows).map_err(input)?.chain;
         let model = ErrorModel::new(placed, effects).map_err(input)?;
         let folds = Folds::new(rows, &split).map_err(input)?;
         let list = compared(&model, rows, &solvers, &options, &folds, &|name| {
             let _ = working.step(name);
         });
-        let summary = ComparisonSummary::new(model.chain().name(), front::split_words(&split), &list);
+        let summary = ComparisonSummary::new(model.chain().name(), split_words(&split), &list);
         Ok((serde_json::to_string(&summary).map_err(input)?, summary.to_string()))
     })
 }

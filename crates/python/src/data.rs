@@ -9,13 +9,13 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use truepose_cli::front;
 use truepose_errormodel::{Dataset, configurations};
 use truepose_io::{
     ColumnMap, CsvInfo, MeasurementsOptions, OrientationConvention, Warning, measurements_in_memory,
     read_measurements,
 };
 use truepose_kinematics::{Chain, Load};
+use truepose_workflow::Mistakes;
 
 /// Rows of a robot in SI units, with what was understood of their table.
 #[pyclass(frozen, module = "truepose._core")]
@@ -57,7 +57,7 @@ impl Data {
 
     /// Suspected mistakes, with the name of the file.
     pub fn suspected(&self) -> Vec<String> {
-        front::suspected(&self.chain, &self.data, &self.info.file).suspected
+        Mistakes::of(&self.chain, &self.data, &self.info.file).words
     }
 }
 

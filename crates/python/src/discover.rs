@@ -7,10 +7,10 @@ use crate::run::Raised;
 use pyo3::prelude::*;
 use std::path::PathBuf;
 use std::sync::Arc;
-use truepose_cli::front;
 use truepose_discover::Diagnosis;
 use truepose_errormodel::{Dataset, FittedModel};
 use truepose_report::{DiscoverySummary, NestedSummary, discovery_report};
+use truepose_workflow::parameters;
 
 /// A discovery with its data.
 #[pyclass(frozen, module = "truepose._core")]
@@ -76,7 +76,7 @@ impl Discovery {
     /// Writes the report into a folder.
     fn write_report(&self, py: Python<'_>, folder: PathBuf) -> PyResult<()> {
         let mut summary = self.summary.clone();
-        summary.parameters = Some(front::parameters(&self.used));
+        summary.parameters = Some(parameters(&self.used));
         py.detach(|| {
             page::write(&folder, "discovery.json", &summary, |run| {
                 discovery_report(&summary, &self.found, &self.data, &self.labels, run).map_err(input)

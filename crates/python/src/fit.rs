@@ -2,10 +2,10 @@
 
 use crate::arrays::{matrix, rows, vector};
 use crate::data::Data;
-use crate::error::{input, of_io, warnings};
-use crate::identified::Identified;
+use crate::error::{input, of_io};
 use crate::model::{of_python, prepare, registry};
 use crate::page;
+use crate::predicted::{Told, compensated, maker, predicted};
 use crate::robot::Robot;
 use crate::run::Raised;
 use crate::table::Table;
@@ -15,12 +15,13 @@ use pyo3::types::PyDict;
 use std::ffi::CString;
 use std::path::PathBuf;
 use std::sync::Arc;
-use truepose_cli::front;
+use truepose_compensate::ExportOptions;
 use truepose_errormodel::{Dataset, FittedModel};
 use truepose_identify::reduction::group_words;
 use truepose_identify::{Fit as Fitted, Residuals, student_quantile};
-use truepose_io::{fit_json, parse_fit, poses_in_memory, read_fit};
+use truepose_io::{fit_json, parse_fit, read_fit};
 use truepose_report::identification_report;
+use truepose_workflow::{ExportFormat, ExportRequest, Identified, export, in_session, marks, parameters};
 
 /// Where a fit came from.
 pub enum Source {
@@ -32,9 +33,6 @@ pub enum Source {
     /// Another verb, with its summary as JSON and as text.
     Other(String, String),
 }
-
-/// Columns, and warnings.
-type Told<'py> = PyResult<(Bound<'py, PyDict>, Vec<String>)>;
 
 /// A fitted model.
 #[pyclass(frozen, module = "truepose._core")]
@@ -59,7 +57,7 @@ impl Fit {
     /// This fit, with warnings about it; refused where it does not fit and is not accepted all the same.
     pub fn usable(&self, py: Python<'_>) -> PyResult<&Self> {
         let class = py.import("truepose")?.getattr("TrueposeWarning")?;
-        let marks = front::marks(&self.fitted, self.accepted)
+        let marks = marks(&self.fitted, self.accepted)
             .map_err(|words| input(format!("{words}, or insist with accept()")))?;
         for words in marks {
             let words = CString::new(words).map_err(input)?;
@@ -72,7 +70,7 @@ impl Fit {
     pub fn one(&self) -> PyResult<Arc<FittedModel>> {
         match self.fitted.sessions.len() {
             0 => Ok(self.fitted.clone()),
-            1 => front::in_first_session(&self.fitted).map(Arc::new).map_err(input),
+            1 => in_session((*self.fitted).clone(), None, true).map(Arc::new).map_err(input),
             _ => {
                 let names: Vec<&str> = self.fitted.sessions.iter().map(|s| s.name.as_str()).collect();
                 let names = names.join(", ");
@@ -87,7 +85,7 @@ impl Fit {
     pub fn first(&self) -> PyResult<Arc<FittedModel>> {
         match self.fitted.sessions.is_empty() {
             true => Ok(self.fitted.clone()),
-            false => front::in_first_session(&self.fitted).map(Arc::new).map_err(input),
+            false => in_session((*self.fitted).clone(), None, true).map(Arc::new).map_err(input),
         }
     }
 
@@ -157,7 +155,7 @@ impl Fit {
 
     /// The fit in one of them.
     fn in_session(&self, py: Python<'_>, name: &str) -> PyResult<Self> {
-        let made = front::in_session(&self.fitted, name).map_err(input)?;
+        let made = in_session((*self.fitted).clone(), Some(name), false).map_err(input)?;
         Ok(self.with(py, made, Source::Loaded))
     }
 
@@ -287,10 +285,10 @@ impl Fit {
         let effects = self.fitted.model().effects();
         let predicted = self.checked(py.detach(|| {
             prepare(effects, fitted.chain(), &input_rows)?;
-            front::predict(&fitted, &input_rows, &data.info).map_err(input)
+            predicted(&fitted, &input_rows, &data.info).map_err(input)
         }))?;
         let all = PyDict::new(py);
-        let list = &predicted.rows;
+        let (list, warnings) = &predicted;
         all.set_item("position", rows(py, list.iter().map(|p| p.pose.translation.into())))?;
         let turned = |p: &truepose_io::Prediction| match p.oriented {
             true => p.pose.quaternion(),
@@ -299,37 +297,14 @@ impl Fit {
         all.set_item("orientation", rows(py, list.iter().map(turned)))?;
         all.set_item("within_95", vector(py, list.iter().map(|p| p.within_95).collect()))?;
         all.set_item("extrapolates", vector(py, list.iter().map(|p| p.extrapolates).collect()))?;
-        Ok((all, predicted.warnings))
+        Ok((all, warnings.clone()))
     }
 
     /// Commands for desired poses, with these joints held; and warnings.
     fn compensate<'py>(&self, py: Python<'py>, poses: &Table, hold: Vec<String>) -> Told<'py> {
         let fitted = (*self.usable(py)?.one()?).clone().of_robot();
-        let chain = fitted.chain();
-        let (mut poses, _, said) =
-            poses_in_memory(poses.table.clone(), chain, &front::recorded_columns(&fitted)).map_err(of_io)?;
-        let mut said = warnings(&said);
-        let oriented = poses.rows.orientation.iter().any(Option::is_some);
-        for target in poses.rows.target.iter().copied().collect::<std::collections::BTreeSet<_>>() {
-            said.extend(front::known(&fitted, target, oriented).map_err(input)?);
-        }
-        let found = py.detach(|| front::command(&fitted, &mut poses, &hold));
-        let commands = self.checked(found.map_err(input))?;
-        let all = PyDict::new(py);
-        let mut joints: Vec<Vec<f64>> = vec![Vec::new(); chain.movable().len()];
-        for command in &commands {
-            let mut values = command.command.joints;
-            chain.joints_to_controller(&mut values);
-            joints.iter_mut().zip(values.iter()).for_each(|(column, value)| column.push(*value));
-        }
-        all.set_item("q", crate::arrays::beside(py, commands.len(), &joints))?;
-        all.set_item("status", commands.iter().map(|c| c.command.status.word()).collect::<Vec<_>>())?;
-        all.set_item("within_95", vector(py, commands.iter().map(|c| c.within_95).collect()))?;
-        let left: Vec<f64> = commands.iter().map(|c| c.command.position_error).collect();
-        all.set_item("position_error", vector(py, left))?;
-        all.set_item("corrected", vector(py, commands.iter().map(|c| c.corrected).collect::<Vec<bool>>()))?;
-        all.set_item("beyond", commands.iter().map(|c| c.beyond.clone()).collect::<Vec<_>>())?;
-        Ok((all, said))
+        let told = compensated(py, &fitted, poses, &hold);
+        self.checked(told)
     }
 
     /// The fitted geometry as the text of a file, and what it leaves out.
@@ -351,16 +326,27 @@ impl Fit {
                 chain.target_named(name).ok_or_else(|| input(format!("the robot has no target `{name}`")))
             })
             .transpose()?;
-        let urdf = urdf.as_deref();
-        let to = front::ExportTo { format, target, urdf, hayati, entries, style };
-        let export = || front::export(&fitted, to).map_err(input);
-        let written = self.checked(py.detach(export))?;
+        if format == "parameters" {
+            return Err(input("the parameters as described are a table; see `parameters`"));
+        }
+        let request = ExportRequest {
+            format: ExportFormat::named(format).map_err(input)?,
+            urdf: urdf.as_deref(),
+            hayati,
+            entries,
+            style: style.map(maker).transpose()?,
+            like: None,
+            hash: None,
+        };
+        let options = ExportOptions { target, ..ExportOptions::default() };
+        let fitted = (*fitted).clone().of_robot();
+        let written = self.checked(py.detach(|| export(&request, &fitted, &options).map_err(input)))?;
         Ok((written.text, written.statement))
     }
 
     /// The parameters of the robot as it is described: nominal, calibrated, 95 % interval, as JSON.
     fn parameters(&self, py: Python<'_>) -> PyResult<String> {
-        let made = self.checked(Ok(py.detach(|| front::parameters(&self.fitted))))?;
+        let made = self.checked(Ok(py.detach(|| parameters(&self.fitted))))?;
         serde_json::to_string(&made).map_err(input)
     }
 
@@ -368,7 +354,13 @@ impl Fit {
     fn figures(&self) -> PyResult<Vec<(String, String)>> {
         let Source::Identified(made) = &self.source else { return Ok(Vec::new()) };
         let run = page::record("identification.json", &[]);
-        let report = identification_report(&made.summary, &made.found, &made.data, &made.labels, &run);
+        let report = identification_report(
+            &made.summary,
+            &made.found,
+            &made.campaign.data,
+            &made.source.info.visit_labels,
+            &run,
+        );
         Ok(report.map_err(input)?.figures)
     }
 
@@ -380,10 +372,17 @@ impl Fit {
             ));
         };
         let mut summary = made.summary.clone();
-        summary.parameters = Some(front::parameters(&self.fitted));
+        summary.parameters = Some(parameters(&self.fitted));
         py.detach(|| {
             page::write(&folder, "identification.json", &summary, |run| {
-                identification_report(&summary, &made.found, &made.data, &made.labels, run).map_err(input)
+                identification_report(
+                    &summary,
+                    &made.found,
+                    &made.campaign.data,
+                    &made.source.info.visit_labels,
+                    run,
+                )
+                .map_err(input)
             })
         })
     }

@@ -3,14 +3,21 @@
 use crate::arrays::Given1;
 use crate::error::input;
 use pyo3::prelude::*;
-use truepose_errormodel::{Dataset, configurations};
-use truepose_identify::{PriorStrength, Split, hold_out};
+use truepose_errormodel::Dataset;
+use truepose_identify::{PriorStrength, Split};
 use truepose_solvers::{Solver, SolverSpec};
+use truepose_workflow::{FoldsRequest, NamedSolver, SplitKind};
 
 /// A solver by its text, and the text as the program writes it.
 pub fn solver(text: &str) -> PyResult<(Box<dyn Solver>, String)> {
     let spec: SolverSpec = text.parse().map_err(|error| input(format!("solver: {error}")))?;
     Ok((spec.build(), spec.to_string()))
+}
+
+/// The same for the workflow.
+pub fn named_solver(text: &str) -> PyResult<NamedSolver> {
+    let (solver, name) = solver(text)?;
+    Ok(NamedSolver { name, solver })
 }
 
 /// `evidence`, `none`, or a factor above zero.
@@ -28,49 +35,10 @@ pub fn prior(of: &Bound<'_, PyAny>) -> PyResult<PriorStrength> {
     }
 }
 
-/// Number of different configurations outside of the test set.
-fn in_fit(data: &Dataset, holdout: Option<f64>, seed: u64) -> PyResult<usize> {
-    let of_visit = configurations(data);
-    let rows = match holdout {
-        Some(fraction) => hold_out(data, fraction, seed).map_err(input)?.0,
-        None => (0..data.len()).collect(),
-    };
-    let mut seen: Vec<usize> = rows.iter().map(|&row| of_visit[data.visit[row]]).collect();
-    seen.sort_unstable();
-    seen.dedup();
-    Ok(seen.len())
-}
-
 /// How configurations are divided into folds; none for none.
-pub fn split(
-    data: &Dataset,
-    folds: usize,
-    kind: &str,
-    seed: u64,
-    holdout: Option<f64>,
-) -> PyResult<Option<Split>> {
-    if folds == 0 {
-        return Ok(None);
-    }
-    if folds == 1 {
-        return Err(input("folds: one fold leaves no data to fit; use 2 or more, or 0 for none"));
-    }
-    let have = in_fit(data, holdout, seed)?;
-    if have < 2 {
-        return Ok(None);
-    }
-    let folds = folds.min(have);
-    Ok(Some(match kind {
-        "random" => Split::Random { folds, seed },
-        "time" => Split::TimeBlocks { folds },
-        "joint" => Split::JointBlocks { folds, coordinate: None },
-        "leave-one-out" => Split::LeaveOneOut,
-        other => {
-            return Err(input(format!(
-                "split: unknown `{other}` (known: random, time, joint, leave-one-out)"
-            )));
-        }
-    }))
+pub fn split(data: &Dataset, folds: usize, kind: &str, seed: u64) -> PyResult<Option<Split>> {
+    let folds = FoldsRequest::Count(folds, SplitKind::named(kind).map_err(input)?);
+    Ok(truepose_workflow::split(data, &folds, seed, None).map_err(input)?.0)
 }
 
 /// Folds that a label of each row numbers.

@@ -8,12 +8,12 @@ use crate::robot::Robot;
 use crate::run::supervised;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use truepose_cli::front;
 use truepose_identify::{PlanOptions, Why, plan as chosen};
 use truepose_io::PlannedVisit;
 use truepose_kinematics::nalgebra::Vector3;
 use truepose_kinematics::{Chain, Load, Payload};
 use truepose_report::PlanSummary;
+use truepose_workflow::{PlanFrom, found_before, observing_target, plan_observed as observed};
 
 /// Joint values, loads and directions of the planned pose measurements; the summary as JSON and as text.
 #[pyfunction]
@@ -75,15 +75,16 @@ pub fn plan_observed<'py>(
     seed: u64,
 ) -> PyResult<(Bound<'py, PyDict>, String, String)> {
     let options = options(count, (&loads, com), pool, seed)?;
-    let (fitted, surroundings) = (fit.usable(py)?.first()?, robot.beside.surroundings.clone());
+    let (fitted, mut surroundings) = (fit.usable(py)?.first()?, (*robot.beside.surroundings).clone());
     let goals = at.map(|data| data.data.clone());
     let (visits, summary) = supervised(py, None, vec![fit.raised.clone()], move |_| {
         let goals = match &goals {
             Some(data) => Some(data.derived_for(fitted.model()).map_err(input)?.into_owned()),
             None => None,
         };
-        front::plan_observed(&fitted, &surroundings, target.as_deref(), goals.as_ref(), &options)
-            .map_err(input)
+        found_before(&mut surroundings, &fitted);
+        let from = PlanFrom::Reach(observing_target(target.as_deref(), &fitted).map_err(input)?);
+        observed(&fitted, &surroundings, from, goals.as_ref(), &options).map_err(input)
     })?;
     let all: Vec<Planned<'_>> = visits
         .iter()

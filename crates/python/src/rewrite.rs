@@ -7,9 +7,11 @@ use crate::run::supervised;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use std::path::PathBuf;
-use truepose_cli::front::{Given, Rewriting, Rewritten, rewrite as rewritten};
+use truepose_controllers::Dialect;
 use truepose_io::CorrectionRow;
 use truepose_kinematics::Pose;
+use truepose_workflow::program::{ProgramRequest, Rewritten, TaughtFrom, rewrite_program};
+use truepose_workflow::{GivenPlace, Place};
 
 /// A frame or a tool: words as on the command line, or its name and x y z roll pitch yaw, m and rad.
 #[derive(FromPyObject)]
@@ -25,12 +27,20 @@ fn pose(of: &[f64; 6]) -> Pose {
     Pose::from_xyz_rpy([x, y, z], [roll, pitch, yaw])
 }
 
-fn given(placed: Vec<Placed>) -> Vec<Given> {
+fn given(placed: Vec<Placed>) -> PyResult<Vec<GivenPlace>> {
     let one = |placed| match placed {
-        Placed::Words(text) => Given::Words(text),
-        Placed::At((name, at)) => Given::At(name, pose(&at)),
+        Placed::Words(text) => GivenPlace::parse(&text).map_err(input),
+        Placed::At((name, at)) => Ok(GivenPlace { name, place: Place::At(pose(&at)) }),
     };
     placed.into_iter().map(one).collect()
+}
+
+/// The language of a word.
+fn dialect(word: &str) -> PyResult<Dialect> {
+    Dialect::ALL.into_iter().find(|dialect| dialect.word() == word).ok_or_else(|| {
+        let known: Vec<&str> = Dialect::ALL.iter().map(|dialect| dialect.word()).collect();
+        input(format!("unknown language `{word}` (known: {})", known.join(", ")))
+    })
 }
 
 /// The texts of the program and of the further files that have points of it, their corrections as columns, the summary as JSON, notes, and
@@ -74,13 +84,15 @@ pub fn rewrite<'py>(
     if !(limit.is_finite() && limit > 0.0) {
         return Err(input(format!("limit: {limit} is no length above 0, in m")));
     }
-    let fitted = fit.usable(py)?.one()?;
-    let options = Rewriting {
+    let fitted = (*fit.usable(py)?.one()?).clone().of_robot();
+    let of_folder = file.is_dir();
+    let request = ProgramRequest {
         with: with_,
-        language,
-        frames: given(frames),
-        tools: given(tools),
-        taught,
+        language: language.as_deref().map(dialect).transpose()?,
+        frames: given(frames)?,
+        tools: given(tools)?,
+        frames_file: None,
+        taught: taught.into_iter().map(|(name, file, tool)| TaughtFrom { name, file, tool }).collect(),
         measured,
         cad,
         external,
@@ -100,7 +112,7 @@ pub fn rewrite<'py>(
         pulses,
     };
     let made: Rewritten = supervised(py, None, vec![fit.raised.clone()], move |_| {
-        rewritten(&fitted, &file, &options).map_err(input)
+        rewrite_program(&fitted, &file, &request).map_err(input)
     })?;
     let all = PyDict::new(py);
     let list: Vec<&CorrectionRow> = made.files.iter().flat_map(|part| &part.rows).collect();
@@ -121,5 +133,7 @@ pub fn rewrite<'py>(
     all.set_item("within_95", vector(py, list.iter().map(|row| row.within_95).collect()))?;
     let summary = serde_json::to_string(&made.view).map_err(input)?;
     let texts = made.files.iter().map(|part| (part.file.clone(), PyBytes::new(py, &part.text)));
-    Ok((texts.collect(), all, summary, made.notes, made.refused))
+    let refused = made.refused.iter().filter(|(_, line, _)| of_folder && *line == 0);
+    let refused = refused.map(|(file, _, words)| (file.clone(), words.clone())).collect();
+    Ok((texts.collect(), all, summary, [made.warnings, made.notes].concat(), refused))
 }

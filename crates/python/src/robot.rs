@@ -6,9 +6,8 @@ use numpy::{PyArray2, PyArray3, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use std::path::PathBuf;
 use std::sync::Arc;
-use truepose_cli::front;
 use truepose_errormodel::lanes::{JacobianGram, error_variances};
-use truepose_errormodel::{Dataset, EffectRegistry, ErrorModel, FittedModel, SessionRules, Surroundings};
+use truepose_errormodel::{EffectRegistry, ErrorModel, FittedModel, SessionRules, Surroundings};
 use truepose_identify::{PostureScales, posture_observability};
 use truepose_io::{
     ColumnMap, RobotDetails, RobotOptions, fit_json, parse_fit, read_robot, read_text, robot_beside,
@@ -16,6 +15,10 @@ use truepose_io::{
 };
 use truepose_kinematics::nalgebra::DMatrix;
 use truepose_kinematics::{Chain, Conditions, JointKind, Posture, PostureBuffer, joint_jacobian};
+use truepose_workflow::{
+    Known, ROBOTS, Undeclared, record_columns, record_details, recorded_columns, recorded_frames,
+    recorded_units,
+};
 
 /// A robot with what its description says besides.
 #[pyclass(frozen, module = "truepose._core")]
@@ -26,7 +29,7 @@ pub struct Robot {
     pub warnings: Vec<String>,
     pub beside: Beside,
     /// Whether base and tool are unknown where an instrument measured: of a URDF, which states neither.
-    pub undeclared: [bool; 2],
+    pub undeclared: Undeclared,
 }
 
 /// What a description says of sessions and of landmarks, and its text where it says something: name of the file, text.
@@ -58,14 +61,14 @@ const UNDECLARED: &str = "undeclared";
 impl Robot {
     /// Of a chain, with what a fit has recorded of its description.
     pub fn of(chain: &Chain, fitted: &FittedModel) -> Self {
-        let (units, frames) = front::recorded_details(fitted);
+        let (units, frames) = (recorded_units(fitted), recorded_frames(fitted));
         Robot {
             chain: Arc::new(chain.clone()),
             details: RobotDetails { units, frames, certificate: None, gravity: true },
-            columns: front::recorded_columns(fitted),
+            columns: recorded_columns(fitted),
             warnings: Vec::new(),
             beside: Beside::default(),
-            undeclared: [false; 2],
+            undeclared: Undeclared::default(),
         }
     }
 
@@ -77,16 +80,8 @@ impl Robot {
             columns: ColumnMap::default(),
             warnings: Vec::new(),
             beside: Beside::default(),
-            undeclared: [false; 2],
+            undeclared: Undeclared::default(),
         }
-    }
-
-    /// The robot for these measurements, with what its description leaves open as unknown; and that in words.
-    pub fn opened(&self, data: &Dataset) -> PyResult<(Arc<Chain>, Vec<String>)> {
-        Ok(match front::opened(&self.chain, data, self.undeclared).map_err(input)? {
-            Some((chain, words)) => (Arc::new(chain), vec![words]),
-            None => (self.chain.clone(), Vec::new()),
-        })
     }
 
     /// Evaluates postures row by row.
@@ -138,7 +133,8 @@ impl Robot {
             false => (Beside::default(), ColumnMap::default(), RobotDetails::default()),
         };
         let urdf = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("urdf"));
-        let undeclared = known.map(|known| urdf && !known);
+        let [base, tool] = known.map(|known| urdf && !known);
+        let undeclared = Undeclared { base, tool };
         Ok(Robot { chain: Arc::new(chain), details, columns, warnings: warnings(&said), beside, undeclared })
     }
 
@@ -147,22 +143,21 @@ impl Robot {
     fn from_text(name: &str, text: &str) -> PyResult<Self> {
         let (chain, said) = robot_from_text(name, text, &RobotOptions::default()).map_err(of_io)?;
         let (beside, columns, details) = Beside::of(name, text)?;
-        let undeclared = [false; 2];
+        let undeclared = Undeclared::default();
         Ok(Robot { chain: Arc::new(chain), warnings: warnings(&said), columns, beside, details, undeclared })
     }
 
     /// Robots of the library: name, maker and model.
     #[staticmethod]
     fn library() -> Vec<(&'static str, &'static str)> {
-        front::robots().map(|(name, title, _)| (name, title)).collect()
+        ROBOTS.iter().map(|robot| (robot.name, robot.title())).collect()
     }
 
     /// One of them.
     #[staticmethod]
     fn named(name: &str) -> PyResult<Self> {
-        let found = front::robots().find(|(known, ..)| known.eq_ignore_ascii_case(name));
-        let Some((known, _, text)) = found else {
-            let near = front::robots_near(name).join(", ");
+        let Some(Known { name: known, text }) = Known::named(name) else {
+            let near = Known::near(name).join(", ");
             let hint = if near.is_empty() { near } else { format!("; did you mean {near}?") };
             return Err(input(format!("the library has no robot `{name}`{hint}")));
         };
@@ -173,13 +168,14 @@ impl Robot {
     fn to_bytes(&self) -> PyResult<String> {
         let model = ErrorModel::new((*self.chain).clone(), Vec::new()).map_err(input)?;
         let mut fitted = FittedModel::new(model, Vec::new(), DMatrix::zeros(0, 0)).map_err(input)?;
-        front::record_details(&mut fitted, &self.details);
-        front::record_columns(&mut fitted, &self.columns);
+        record_details(&mut fitted, &self.details);
+        record_columns(&mut fitted, &self.columns);
         if !self.details.gravity {
             fitted.provenance.insert(ASSUMED.into(), true.into());
         }
-        if self.undeclared != [false; 2] {
-            fitted.provenance.insert(UNDECLARED.into(), serde_json::json!(self.undeclared));
+        let Undeclared { base, tool } = self.undeclared;
+        if base || tool {
+            fitted.provenance.insert(UNDECLARED.into(), serde_json::json!([base, tool]));
         }
         if let Some((name, text)) = &self.beside.text {
             fitted.provenance.insert(DESCRIPTION.into(), serde_json::json!([name, text]));
@@ -198,7 +194,8 @@ impl Robot {
         let mut robot = Robot { beside, ..Robot::of(fitted.chain(), &fitted) };
         robot.details.gravity = !fitted.provenance.contains_key(ASSUMED);
         let open = |k: usize| fitted.provenance.get(UNDECLARED).and_then(|of| of.get(k)?.as_bool());
-        robot.undeclared = [0, 1].map(|k| open(k).unwrap_or(false));
+        let [base, tool] = [0, 1].map(|k| open(k).unwrap_or(false));
+        robot.undeclared = Undeclared { base, tool };
         Ok(robot)
     }
 

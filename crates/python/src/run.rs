@@ -9,6 +9,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
+use truepose_workflow::Observer;
 
 /// Interval at which signals are looked for.
 const STEP: Duration = Duration::from_millis(40);
@@ -50,18 +51,19 @@ enum Event {
 }
 
 impl Working {
-    /// Reports a step; whether to go on.
-    pub fn step(&self, words: &str) -> ControlFlow<()> {
-        let _ = self.steps.lock().unwrap_or_else(PoisonError::into_inner).send(Event::Step(words.into()));
-        self.go_on()
-    }
-
     /// Whether to go on.
     pub fn go_on(&self) -> ControlFlow<()> {
         if self.cancelled.load(Ordering::Relaxed) || self.raised.iter().any(Raised::any) {
             return ControlFlow::Break(());
         }
         ControlFlow::Continue(())
+    }
+}
+
+impl Observer for Working {
+    fn step(&self, words: &str) -> ControlFlow<()> {
+        let _ = self.steps.lock().unwrap_or_else(PoisonError::into_inner).send(Event::Step(words.into()));
+        self.go_on()
     }
 }
 

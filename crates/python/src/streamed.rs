@@ -12,11 +12,11 @@ use crate::table::Table;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use std::sync::{Arc, Mutex, PoisonError};
-use truepose_cli::front;
 use truepose_errormodel::{Dataset, LANDMARK, SESSION};
 use truepose_identify::{FitOptions, Pass, StreamedOptions, StreamedRun};
 use truepose_io::MeasurementsReader;
 use truepose_report::StreamedSummary;
+use truepose_workflow::record_streamed;
 
 /// Rows as the streaming reader has them: directions of approach are those that the table states.
 #[pyfunction]
@@ -113,7 +113,7 @@ impl Streaming {
         let mut found = run.finish(&judged).map_err(input)?;
         let summary = StreamedSummary::new(&found, &self.solver);
         let converged = found.fit.converged;
-        front::streamed(&mut found.fit.fitted, &summary, converged);
+        record_streamed(&mut found.fit.fitted, &summary, converged);
         Ok(Fit {
             fitted: Arc::new(found.fit.fitted),
             source: Source::Other(serde_json::to_string(&summary).map_err(input)?, summary.to_string()),

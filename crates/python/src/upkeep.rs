@@ -9,12 +9,12 @@ use crate::robot::Robot;
 use crate::run::supervised;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use truepose_cli::front;
 use truepose_report::{FleetSummary, MonitorSummary, TransferSummary};
 use truepose_upkeep::{
     Installation, MonitorOptions, TransferOptions, check_poses, fleet as fleet_of, monitor as monitored,
     transfer as transferred,
 };
+use truepose_workflow::{identify_sister as sister, record_transferred};
 
 /// The arm as identified, in another installation.
 #[pyfunction]
@@ -34,7 +34,7 @@ pub fn transfer(
         let options = TransferOptions { installation, update };
         let mut made = transferred(&fitted, &rows, options).map_err(input)?;
         let summary = TransferSummary::new(&made, &rows);
-        front::transferred(&mut made.fitted, &summary, update, rows.len());
+        record_transferred(&mut made.fitted, &summary, update, rows.len());
         Ok((made, serde_json::to_string(&summary).map_err(input)?, summary.to_string()))
     })?;
     Ok(fit.with(py, made.fitted, Source::Other(json, text)))
@@ -94,11 +94,11 @@ pub fn identify_sister(
     data.plain()?;
     let (chain, rows, fleet) = (robot.chain.clone(), data.data.clone(), prior.fitted.clone());
     let (solver, _) = solver(solver_text)?;
-    let Some(split) = split(&rows, folds.max(2), split_kind, seed, None)? else {
+    let Some(split) = split(&rows, folds.max(2), split_kind, seed)? else {
         return Err(input(format!("{}: one configuration is too few", data.name())));
     };
     let (fitted, json, text) = supervised(py, None, vec![prior.raised.clone()], move |_| {
-        let (fitted, summary) = front::sister(&fleet, &chain, &rows, &split, &*solver).map_err(input)?;
+        let (fitted, summary) = sister(&fleet, &chain, &rows, &split, &*solver).map_err(input)?;
         Ok((fitted, serde_json::to_string(&summary).map_err(input)?, summary.to_string()))
     })?;
     Ok(prior.with(py, fitted, Source::Other(json, text)))

@@ -21,6 +21,8 @@ pub use truepose_simulate as simulate;
 pub use truepose_solvers as solvers;
 #[cfg(feature = "upkeep")]
 pub use truepose_upkeep as upkeep;
+#[cfg(feature = "workflow")]
+pub use truepose_workflow as workflow;
 
 /// What most programs need: `use truepose::prelude::*`.
 pub mod prelude {

@@ -1,9 +1,10 @@
 //! Options of the verbs that use a fit: plan, predict, compensate, export, map.
 
 use super::files::{Input, Output, OutputFolder};
-use super::program::{GivenPlace, RobotProgram, parse_given};
-use super::values::{Units, parse_length, parse_position, parse_three, parse_units, parse_whole};
+use super::program::RobotProgram;
+use super::values::{parse_length, parse_position, parse_three, parse_units, parse_whole};
 use super::{Grouped, NamedColumns};
+use truepose_workflow::{GivenPlace, Units};
 
 /// `truepose plan`
 #[derive(Debug, clap::Args)]
@@ -173,11 +174,11 @@ pub struct Compensate {
     /// Frame of the poses: base, measurement, the name of a frame, or x,y,z,roll,pitch,yaw in the base, e.g. 900mm,0mm,50mm,0,0,90
     /// (degrees) [default: measurement]. Of a program: the value of a frame by its name, e.g. UF1=900mm,0mm,50mm,0,0,90, repeated for
     /// each; without a name that of points whose frame is not known [default: the robot's base]
-    #[arg(long, value_name = "FRAME", value_parser = parse_given, allow_hyphen_values = true)]
+    #[arg(long, value_name = "FRAME", value_parser = GivenPlace::parse, allow_hyphen_values = true)]
     pub frame: Vec<GivenPlace>,
     /// Tool centre point of the poses: flange, the name of a frame, or x,y,z,roll,pitch,yaw in the last joint's frame [default: the tool of
     /// the measurements]. Of a program: as --frame, e.g. UT1=0mm,0mm,120mm,0,0,0
-    #[arg(long, visible_alias = "tool-frame", value_name = "FRAME", value_parser = parse_given, allow_hyphen_values = true)]
+    #[arg(long, visible_alias = "tool-frame", value_name = "FRAME", value_parser = GivenPlace::parse, allow_hyphen_values = true)]
     pub tcp: Vec<GivenPlace>,
     /// File with [[frames]] (TOML) [default: those of the fit's robot file]
     #[arg(long, value_name = "FILE")]
@@ -277,6 +278,33 @@ pub enum YamlStyle {
     Flexiv,
     /// UFACTORY xArm: `kinematics:` `joint1:`
     Xarm,
+}
+
+impl ExportFormat {
+    /// The form of a file of the geometry; none of the parameters as described, which are a table.
+    pub fn of_geometry(self) -> Option<truepose_workflow::ExportFormat> {
+        use truepose_workflow::ExportFormat as Of;
+        Some(match self {
+            ExportFormat::Urdf => Of::Urdf,
+            ExportFormat::Dh => Of::Dh,
+            ExportFormat::Mdh => Of::Mdh,
+            ExportFormat::Ros => Of::Ros,
+            ExportFormat::RosYaml => Of::RosYaml,
+            ExportFormat::Iso230 => Of::Iso230,
+            ExportFormat::Parameters => return None,
+        })
+    }
+}
+
+impl From<YamlStyle> for truepose_compensate::RosStyle {
+    fn from(of: YamlStyle) -> Self {
+        match of {
+            YamlStyle::Ur => Self::Ur,
+            YamlStyle::Franka => Self::Franka,
+            YamlStyle::Flexiv => Self::Flexiv,
+            YamlStyle::Xarm => Self::XArm,
+        }
+    }
 }
 
 /// A word that YAML reads as it stands.

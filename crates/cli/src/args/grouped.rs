@@ -1,12 +1,12 @@
 //! How tables of measurements are read: which column is which, and which rows form a pose measurement.
 
 use super::values::parse_whole;
-use crate::recorded::recorded_columns;
 use std::path::Path;
 use truepose_errormodel::{DwellTolerance, FittedModel};
 use truepose_io::{
     ColumnMap, IoError, MeasurementsOptions, OrientationConvention, Quantity, Unit, robot_columns,
 };
+use truepose_workflow::recorded_columns;
 
 /// How rows are grouped.
 #[derive(Debug, Clone, clap::Args)]

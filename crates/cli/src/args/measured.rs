@@ -7,7 +7,7 @@ use super::values::{
 use super::{Grouped, Robot};
 use crate::extensions::SolverChoice;
 use truepose_identify::FitOptions;
-use truepose_io::{IoError, MeasurementsOptions};
+use truepose_workflow::InputFiles;
 
 /// Robot, measurements and declared model.
 #[derive(Debug, clap::Args)]
@@ -25,9 +25,15 @@ pub struct Measured {
 }
 
 impl Measured {
-    /// How the measurements are read.
-    pub fn reading(&self) -> Result<MeasurementsOptions, IoError> {
-        self.grouped.measured_on(&self.robot.robot)
+    /// The files, and how they are read.
+    pub fn files(&self, positions_only: bool) -> InputFiles {
+        InputFiles {
+            data: self.data.to_path_buf(),
+            model: self.model.as_ref().map(|model| model.to_path_buf()),
+            reading: self.grouped.measured(),
+            positions_only,
+            ..self.robot.files()
+        }
     }
 }
 
@@ -147,6 +153,17 @@ pub enum SplitKind {
     Joint,
     /// One configuration at a time
     LeaveOneOut,
+}
+
+impl From<SplitKind> for truepose_workflow::SplitKind {
+    fn from(of: SplitKind) -> Self {
+        match of {
+            SplitKind::Random => Self::Random,
+            SplitKind::Time => Self::Time,
+            SplitKind::Joint => Self::Joint,
+            SplitKind::LeaveOneOut => Self::LeaveOneOut,
+        }
+    }
 }
 
 /// `truepose discover`

@@ -13,20 +13,19 @@ mod values;
 
 pub use acceptance::{FramesFrom, Iso9283};
 pub use dwell::DwellOf;
-pub use files::{Files, Input, NamedFile, OutputFolder, Prior, TaughtFrom};
+pub use files::{Files, Input, NamedFile, OutputFolder, Prior};
 pub use fitted::{Accept, Compensate, Export, ExportFormat, Map, Plan, PlannedTest, Predict, YamlStyle};
 pub use grouped::{Grouped, NamedColumns};
-pub use measured::{Compare, Discover, Identify, Measured, SplitKind};
+pub use measured::{Compare, Discover, Identify, Measured};
 #[cfg(feature = "completions")]
 pub use other::CompletionsOf;
 pub use other::{Check, Completions, Effects, Init, Simulate, Verify};
-pub(crate) use program::parse_given;
-pub use program::{GivenPlace, RobotProgram};
 pub use upkeep::{Fleet, Monitor, Transfer};
-pub use values::{Place, Units};
 
 use clap::{Arg, ArgMatches, Command, CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::path::Path;
+use truepose_io::RobotOptions;
+use truepose_workflow::InputFiles;
 
 /// Robot calibration: identifies geometric and elastic errors of a robot arm, finds effects that the model lacks, and compensates
 #[derive(Debug, Parser)]
@@ -156,4 +155,16 @@ pub struct Robot {
     /// The measured point is the tip link of the URDF [default: where an instrument measured, it is found from the data]
     #[arg(long)]
     pub tool_known: bool,
+}
+
+impl Robot {
+    /// Its file, without measurements.
+    pub fn files(&self) -> InputFiles {
+        InputFiles {
+            robot: self.robot.to_path_buf(),
+            links: RobotOptions { base: self.base.clone(), tip: self.tip.clone() },
+            known: [self.base_known, self.tool_known],
+            ..InputFiles::default()
+        }
+    }
 }

@@ -1,9 +1,11 @@
 //! Options of `truepose compensate --program`.
 
 use super::files::{Input, TaughtFrom};
-use super::values::{Place, parse_length, parse_place, parse_position};
+use super::values::{parse_length, parse_position};
 use truepose_controllers::Dialect;
 use truepose_kinematics::Pose;
+use truepose_workflow::program::{self, ProgramRequest};
+use truepose_workflow::{GivenPlace, Place};
 
 /// A robot program, and what it leaves open.
 #[derive(Debug, Default, clap::Args)]
@@ -95,22 +97,39 @@ pub struct RobotProgram {
     pub pulses: Vec<f64>,
 }
 
-/// A frame or tool: its place, and the name in a program that it is the value of.
-#[derive(Debug, Clone, PartialEq)]
-pub struct GivenPlace {
-    /// `UF1` of `UF1=…`.
-    pub name: Option<String>,
-    /// Where it is.
-    pub place: Place,
-}
-
-/// `base`, `900mm,0mm,50mm,0,0,90`, `UF1=900mm,0mm,50mm,0,0,90`.
-pub(crate) fn parse_given(text: &str) -> Result<GivenPlace, String> {
-    match text.split_once('=') {
-        Some((name, place)) if !name.trim().is_empty() => {
-            Ok(GivenPlace { name: Some(name.trim().into()), place: parse_place(place)? })
+impl RobotProgram {
+    /// What is asked, with frames and tools, and a file of frames, which poses have as well.
+    pub fn request(&self, [frames, tools]: [&[GivenPlace]; 2], file: Option<&Input>) -> ProgramRequest {
+        let taught = |taught: &TaughtFrom| program::TaughtFrom {
+            name: taught.name.clone(),
+            file: taught.file.to_path_buf(),
+            tool: taught.tool.clone(),
+        };
+        ProgramRequest {
+            with: self.with.iter().map(|file| file.to_path_buf()).collect(),
+            language: self.language,
+            frames: frames.to_vec(),
+            tools: tools.to_vec(),
+            frames_file: file.map(|file| file.to_path_buf()),
+            taught: self.taught.iter().map(taught).collect(),
+            measured: self.measured.clone(),
+            cad: self.cad.clone(),
+            limit: self.limit,
+            mark: self.mark,
+            leave: self.leave.clone(),
+            dry_run: self.dry_run,
+            offsets: self.offsets,
+            controller_base: self.controller_base,
+            controller_flange: self.controller_flange,
+            start: self.start.clone(),
+            payload: self.payload.map(|mass| (mass, self.com.unwrap_or_default())),
+            channels: self.channel.clone(),
+            external: self.external.clone(),
+            work: self.work.clone(),
+            ignore_external: self.ignore_external,
+            turn_axes: self.turn_axes.clone(),
+            pulses: self.pulses.clone(),
         }
-        _ => Ok(GivenPlace { name: None, place: parse_place(text)? }),
     }
 }
 
@@ -126,7 +145,7 @@ fn parse_taught(text: &str) -> Result<TaughtFrom, String> {
 }
 
 fn parse_pose(text: &str) -> Result<Pose, String> {
-    match parse_place(text)? {
+    match Place::parse(text)? {
         Place::At(pose) => Ok(pose),
         Place::Named(_) => Err("six values are needed: x,y,z,roll,pitch,yaw".into()),
     }

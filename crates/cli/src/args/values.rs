@@ -2,7 +2,9 @@
 
 use super::files::Prior;
 use truepose_io::{Quantity, Unit};
-use truepose_kinematics::Pose;
+use truepose_workflow::Units;
+use truepose_workflow::text::length;
+pub(super) use truepose_workflow::text::{position as parse_position, three as parse_three};
 
 /// `evidence`, `none`, or κ.
 pub(super) fn parse_prior(text: &str) -> Result<truepose_identify::PriorStrength, String> {
@@ -80,62 +82,6 @@ pub(super) fn parse_signed_time(text: &str) -> Result<f64, String> {
     value.ok().filter(|value| value.is_finite()).ok_or_else(|| format!("`{number}` is not a number"))
 }
 
-/// `-500mm,0mm,0.2m`; metres.
-pub(super) fn parse_position(text: &str) -> Result<[f64; 3], String> {
-    three(text, length)
-}
-
-/// Three numbers.
-pub(super) fn parse_three(text: &str) -> Result<[f64; 3], String> {
-    three(text, |part| match part.parse::<f64>() {
-        Ok(value) if value.is_finite() => Ok(value),
-        _ => Err(format!("`{part}` is not a number")),
-    })
-}
-
-/// A frame: a name, or a pose.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Place {
-    /// By its name.
-    Named(String),
-    /// In another frame, m.
-    At(Pose),
-}
-
-/// `base`, `fixture`, `900mm,0mm,50mm,0,0,90`.
-pub(super) fn parse_place(text: &str) -> Result<Place, String> {
-    if !text.contains(',') {
-        return match text.trim() {
-            "" => Err("a frame needs a name".into()),
-            name => Ok(Place::Named(name.into())),
-        };
-    }
-    let parts: Vec<&str> = text.split(',').collect();
-    let [_, _, _, _, _, _] = parts[..] else {
-        return Err(format!("six values are needed, x,y,z,roll,pitch,yaw, not {}", parts.len()));
-    };
-    let (xyz, rpy) = (parts[..3].join(","), parts[3..].join(","));
-    let rpy = parse_three(&rpy)?.map(f64::to_radians);
-    Ok(Place::At(Pose::from_xyz_rpy(parse_position(&xyz)?, rpy)))
-}
-
-fn three(text: &str, one: impl Fn(&str) -> Result<f64, String>) -> Result<[f64; 3], String> {
-    let parts: Vec<&str> = text.split(',').map(str::trim).collect();
-    match parts[..] {
-        [x, y, z] => Ok([one(x)?, one(y)?, one(z)?]),
-        _ => Err(format!("three values with commas between them are needed, not {}", parts.len())),
-    }
-}
-
-/// Units of what is written.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct Units {
-    /// Of lengths.
-    pub length: Option<Unit>,
-    /// Of angles.
-    pub angle: Option<Unit>,
-}
-
 /// `deg,mm`: one unit of an angle, one of a length, or either.
 pub(super) fn parse_units(text: &str) -> Result<Units, String> {
     let mut units = Units::default();
@@ -155,16 +101,6 @@ pub(super) fn parse_units(text: &str) -> Result<Units, String> {
         }
     }
     Ok(units)
-}
-
-fn length(text: &str) -> Result<f64, String> {
-    let split = text.find(|c: char| c.is_ascii_alphabetic() && c != 'e' && c != 'E').unwrap_or(text.len());
-    let (number, unit) = text.split_at(split);
-    let value: f64 = number.trim().parse().map_err(|_| format!("`{number}` is not a number"))?;
-    let unit = Unit::named(unit.trim())
-        .filter(|unit| unit.quantity == Quantity::Length)
-        .ok_or("a length needs a unit: m, mm, um or in, as in 0.15mm")?;
-    if value.is_finite() { Ok(unit.to_si(value)) } else { Err("a finite length is needed".into()) }
 }
 
 /// `90s`, `10min`, `2h`.
@@ -203,20 +139,6 @@ pub(super) fn parse_memory(text: &str) -> Result<u64, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn frames_are_names_or_poses() {
-        assert_eq!(parse_place("fixture"), Ok(Place::Named("fixture".into())));
-        let Ok(Place::At(pose)) =
-            parse_place("900mm, 0mm,5cm,0,0,90").or_else(|_| parse_place("900mm,0mm,0.05m,0,0,90"))
-        else {
-            panic!("a pose")
-        };
-        assert!((pose.translation.x - 0.9).abs() < 1e-15 && (pose.rotation[(1, 0)] - 1.0).abs() < 1e-15);
-        for bad in ["", "1,2,3", "1mm,2mm,3mm,0,0", "1,2,3,4,5,6", "1mm,2mm,3mm,0,0,x"] {
-            assert!(parse_place(bad).is_err(), "{bad}");
-        }
-    }
 
     #[test]
     fn limits_are_read_with_their_units() {

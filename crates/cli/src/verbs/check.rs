@@ -1,72 +1,52 @@
 //! `truepose check`: read files and say what was understood.
 
-use super::campaign::Campaign;
-use super::installation::installed;
-use super::mistakes::Mistakes;
-use super::nominal::Nominal;
-use super::vertical::settled;
-use super::{points, print_json, robot};
+use super::{print_json, robot};
 use crate::args::Check;
+use crate::extensions::effects;
 use crate::failure::Failure;
 use crate::terminal;
-use truepose_errormodel::effects::{AllTargets, Geometric, Where};
-use truepose_errormodel::{AnyEffect, ErrorModel};
-use truepose_identify::FitOptions;
-use truepose_io::{CsvInfo, Grouping, MeasurementsOptions, read_details, read_measurements, read_model};
+use std::path::Path;
+use truepose_errormodel::ErrorModel;
+use truepose_io::{CsvInfo, Grouping, MeasurementsOptions};
 use truepose_kinematics::{Chain, GravityFrame, JointId, JointKind, ToolId};
 use truepose_report::Alignment::{Left, Right};
 use truepose_report::{count, significant, table};
-use truepose_solvers::{PivotedQr, Solver};
+use truepose_workflow::{InputFiles, Nominal, check_rows};
 
 /// Runs the verb.
 pub fn run(args: &Check) -> Result<(), Failure> {
-    let mut chain = robot(&args.robot)?;
-    let model = match &args.model {
-        Some(path) => {
-            let effects = read_model(path, &chain, crate::extensions::effects())?;
-            Some(ErrorModel::new(chain.clone(), effects)?)
-        }
-        None => None,
+    let files = InputFiles {
+        data: args.data.as_deref().unwrap_or(Path::new("")).to_path_buf(),
+        model: args.model.as_ref().map(|file| file.to_path_buf()),
+        reading: MeasurementsOptions { measured_required: false, ..args.grouped.measured() },
+        ..args.robot.files()
     };
-    let mut nominal = Nominal::of(&chain, None, &[]);
-    let mut one_point = Ok(());
-    let data = match &args.data {
-        Some(path) => {
-            let measured = args.grouped.measured_on(&args.robot.robot)?;
-            let options = MeasurementsOptions { measured_required: false, ..measured };
-            let (data, info, warnings) = read_measurements(path, &chain, &options)?;
+    let (mut chain, inputs) = match args.data {
+        Some(_) => {
+            let (inputs, warnings) = files.read(effects())?;
             terminal::warn(&warnings);
-            let (opened, assumed) = installed(chain.clone(), &args.robot, &data)?;
-            assumed.iter().for_each(|words| terminal::log(words));
-            chain = opened;
-            let (solver, options) = (PivotedQr::default(), FitOptions::default());
-            let plain = (&solver as &dyn Solver, &options);
-            let installation = || -> Vec<Box<dyn AnyEffect>> { vec![Box::new(tool(&chain))] };
-            let campaign =
-                Campaign::read((&args.robot.robot, path), chain.clone(), installation(), data, &info, plain)?;
-            let (placed, data) = (&campaign.chain, &campaign.data);
-            one_point = points::one_point(placed, data, &info, path);
-            let mistakes = Mistakes::of(placed, data, path);
-            terminal::warn(mistakes.words.as_slice());
-            if let Some(model) = &model {
-                model.bind(&data.derived_for(model)?.schema)?;
-            }
-            // Where no fit can be made, another message is about that.
-            if info.landmarks.is_empty() && !read_details(&args.robot.robot)?.gravity {
-                let whole: [Box<dyn AnyEffect>; 1] = [Box::new(Geometric::default())];
-                let found = settled(placed, &whole, data, plain).ok().flatten();
-                terminal::warn(found.map(|(_, words)| words).as_slice());
-            }
-            nominal = mistakes.nominal;
-            Some(info)
+            (inputs.chain.clone(), Some(inputs))
         }
+        None => (robot(&args.robot)?, None),
+    };
+    let model = match &args.model {
+        Some(_) => Some(ErrorModel::new(chain.clone(), files.effects(&chain, effects())?)?),
         None => None,
     };
+    let (mut nominal, mut several_points) = (Nominal::of(&chain, None, &[]), Ok(()));
+    let data = inputs.as_ref().map(|inputs| inputs.info.clone());
+    if let Some(inputs) = inputs {
+        let found = check_rows(inputs, model.as_ref())?;
+        found.assumed.iter().for_each(|words| terminal::log(words));
+        terminal::warn(&found.warnings);
+        several_points = found.several_points.map_or(Ok(()), |error| Err(error.into()));
+        (chain, nominal) = (found.chain, found.nominal);
+    }
     if args.json {
-        let mut all = json(&chain, model.as_ref(), data.as_ref());
+        let mut all = json(&chain, model.as_ref(), data.as_deref());
         all["nominal"] = nominal.json(&chain);
         print_json(&all)?;
-        return judged(data.as_ref()).and(one_point);
+        return judged(data.as_deref()).and(several_points);
     }
     terminal::print(&robot_text(&chain));
     if let Some(model) = &model {
@@ -76,7 +56,7 @@ pub fn run(args: &Check) -> Result<(), Failure> {
         terminal::print(&data_text(info));
     }
     terminal::print(&nominal.text());
-    judged(data.as_ref()).and(one_point)
+    judged(data.as_deref()).and(several_points)
 }
 
 /// Whether a fit would take the data; where it would, what columns without a meaning are perhaps.
@@ -95,15 +75,6 @@ fn judged(data: Option<&CsvInfo>) -> Result<(), Failure> {
         )]);
     }
     Ok(())
-}
-
-/// Errors of the tool and of the targets: what landmarks can be found with.
-fn tool(chain: &Chain) -> Geometric {
-    let mut frames = vec![Where::Frame(chain.tool_frame())];
-    if !chain.targets().is_empty() {
-        frames.push(Where::Targets(AllTargets::All));
-    }
-    Geometric { frames: Some(frames), components: None }
 }
 
 /// Joints, base, tool, targets and gravity.

@@ -1,47 +1,40 @@
 //! `truepose compare`: solver strategies side by side on one data set.
 
-use super::campaign::Campaign;
-use super::folds::{different, split, split_words};
-use super::installation::installed;
-use super::mistakes::Mistakes;
 use super::reporting::Folder;
-use super::{declared, print_json, read_files, robot};
+use super::{print_json, read_files};
 use crate::args::Compare;
+use crate::extensions::effects;
 use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::terminal;
 use crate::watch::Watch;
 use truepose_errormodel::ErrorModel;
 use truepose_identify::{FitOptions, Folds, compare, place};
-use truepose_io::{WholeFiles, read_measurements};
+use truepose_io::WholeFiles;
 use truepose_report::{ComparisonSummary, comparison_report};
+use truepose_workflow::{Campaign, FoldsRequest, split, split_words};
 
 /// Runs the verb.
 pub fn run(args: &Compare, watch: &Watch) -> Result<(), Failure> {
     let folder = Folder::prepare(args.report.as_ref(), "comparison.json")?;
-    let chain = robot(&args.measured.robot)?;
-    let effects = declared(&args.measured, &chain)?;
-    let (mut data, info, warnings) =
-        read_measurements(&args.measured.data, &chain, &args.measured.reading()?)?;
+    let (inputs, warnings) = args.measured.files(args.positions_only).read(effects())?;
     terminal::warn(&warnings);
-    if args.positions_only {
-        data.orientation.fill(None);
-    }
-    let (chain, assumed) = installed(chain, &args.measured.robot, &data)?;
-    assumed.iter().for_each(|words| terminal::log(words));
-    let Some(split) = split(args.folds, args.split, args.seed, different(&data))? else {
+    let (split, fewer) =
+        split(&inputs.data, &FoldsRequest::Count(args.folds, args.split.into()), args.seed, None)?;
+    terminal::warn(fewer.as_slice());
+    let Some(split) = split else {
         let words = match args.folds {
             0 => "--folds: a comparison needs at least 2 folds".into(),
             _ => format!("{}: one configuration is too few to compare by", args.measured.data.display()),
         };
         return Err(Failure::Input(words));
     };
-    let files_read = (&*args.measured.robot.robot, &*args.measured.data);
     let plain = truepose_solvers::PivotedQr::default();
     let options = FitOptions { prior: args.prior, ..FitOptions::default() };
-    let campaign = Campaign::read(files_read, chain, effects, data, &info, (&plain, &options))?;
+    let (campaign, source) = Campaign::new(inputs, (&plain, &options), true)?;
+    source.assumed.iter().for_each(|words| terminal::log(words));
+    terminal::warn(&[&campaign.remarks[..], &source.check.suspected].concat());
     let Campaign { chain, effects, data, .. } = &campaign;
-    terminal::warn(Mistakes::of(chain, data, &args.measured.data).words.as_slice());
     let placed = place(chain, data)?.chain;
     let model = ErrorModel::new(placed, effects.clone())?;
     let folds = Folds::new(data, &split)?;

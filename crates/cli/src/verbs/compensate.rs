@@ -1,45 +1,35 @@
 //! `truepose compensate`: the joint commands that bring the real robot to desired poses.
 
-pub(crate) use super::expected::Sought;
-use super::expected::{CHUNK, Expected, expected, for_tools, wanted};
-use super::frames::Placed;
-use super::joint_units::{self, in_units, joint_names};
 use super::reporting::Folder;
-use super::sessions::chosen;
-use super::{about, beyond, print_json, relative, status};
+use super::{about, print_json, status, usable_fit};
 use crate::args::Compensate;
-use crate::extensions::effects;
 use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::terminal;
-use crate::verdict::usable;
 use crate::watch::Watch;
-use rayon::prelude::*;
 use std::path::Path;
-use truepose_compensate::{Command, CommandRequest, CompensateError, Status};
-use truepose_errormodel::{FittedModel, History, Signal, history_of, presliding_of};
+use truepose_compensate::{Command, CompensateError, Status};
+use truepose_errormodel::FittedModel;
 use truepose_io::{
     CommandRow, MeasurementsOptions, PoseForm, Poses, Quantity, WholeFiles, check_writable, commands_file,
-    read_fit, read_measurements, read_poses,
+    read_measurements, read_poses,
 };
-use truepose_kinematics::{Chain, Conditions, Pose};
+use truepose_kinematics::{Chain, Pose};
 use truepose_report::{CommandView, CommandsView, commands_report, count, millimetres};
-
-/// Poses that are solved together.
-const TOGETHER: usize = 64;
+use truepose_workflow::command::{
+    CHUNK, CommandOptions, Expected, Placed, command, held_joints, known_poses, relative_to,
+};
+use truepose_workflow::joint_units::{self, in_units, joint_names};
+use truepose_workflow::{beyond, in_session};
 
 /// Runs the verb.
 pub fn run(args: &Compensate, watch: &Watch) -> Result<(), Failure> {
     check_writable(&args.out)?;
     let folder = Folder::with_head(args.report.as_ref(), "compensation.json", args.certificate.as_ref())?;
-    let fitted = chosen(
-        usable(&args.fit, read_fit(&args.fit, effects())?, args.accept.accept)?,
-        args.session.as_deref(),
-        false,
-    )?
-    .of_robot();
+    let fitted = usable_fit(&args.fit, &args.accept)?;
+    let fitted = in_session(fitted, args.session.as_deref(), false)?.of_robot();
     let file = file(args);
-    let placed = Placed::new(args, &fitted)?;
+    let placed = Placed::new([&args.frame, &args.tcp], args.frames.as_deref(), &fitted)?;
     let mut poses = read(args, &fitted, &placed)?;
     let mut form = PoseForm::default();
     if let Some(units) = &args.units {
@@ -47,13 +37,14 @@ pub fn run(args: &Compensate, watch: &Watch) -> Result<(), Failure> {
         form.length = units.length.unwrap_or(form.length);
         form.turn = poses.convention.zip(units.angle.or(Some(*Quantity::Angle.si())));
     }
-    let other =
-        args.relative_to.as_ref().map(|tool| relative::other(tool, &fitted, &poses, file)).transpose()?;
-    let hold = held(&fitted, &args.hold, &poses)
+    let other = args.relative_to.as_ref().map(|tool| relative_to(tool, &fitted, &poses, file)).transpose()?;
+    terminal::warn(other.iter().flat_map(|(_, warning)| warning).collect::<Vec<_>>().as_slice());
+    let hold = held_joints(&fitted, &args.hold, &poses)
         .map_err(|words| Failure::Input(format!("--hold: {}: {words}", file.display())))?;
-    let sought = Sought { other, lever: placed.lever(), hold };
+    let relative_to = other.map(|(tool, _)| tool);
+    let options = CommandOptions { relative_to, lever: placed.lever(), hold };
     let progress = Progress::steps(poses.rows.len().div_ceil(CHUNK), watch);
-    let (commands, expected) = commanded(&fitted, &mut poses, &sought, &|| progress.begin("commands"))
+    let (commands, expected) = command(&fitted, &mut poses, &options, &|| progress.begin("commands"))
         .map_err(|error| match error {
             CompensateError::Model(error) => about(file)(error),
             error => Failure::Input(format!("{}: {error}", args.fit.display())),
@@ -86,7 +77,7 @@ pub fn run(args: &Compensate, watch: &Watch) -> Result<(), Failure> {
     let mut tally = beyond::Tally::default();
     let ok = commands.iter().zip(&expected).filter(|(command, _)| command.status == Status::Ok);
     ok.clone().for_each(|(_, expected)| tally.add(&expected.beyond));
-    tally.warn("command", fitted.chain(), &channels);
+    terminal::warn(tally.warning("command", fitted.chain(), &channels).as_slice());
     let nominal = ok.clone().filter(|(_, expected)| !expected.corrected).count();
     let unbounded = ok.filter(|(_, expected)| expected.within_95 == f64::INFINITY).count();
     terminal::warn(beyond::unbounded(unbounded, "pose").as_slice());
@@ -152,43 +143,6 @@ pub fn run(args: &Compensate, watch: &Watch) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Joints that stay, by their names.
-///
-/// # Errors
-/// When a joint is not there, or the poses do not state where it is.
-pub(crate) fn held(fitted: &FittedModel, names: &[String], poses: &Poses) -> Result<Vec<usize>, String> {
-    let chain = fitted.chain();
-    let place = |name: &String| {
-        let found = chain.movable().iter().position(|&id| chain.joint(id).name == *name);
-        found.ok_or_else(|| format!("the robot has no joint `{name}` that moves"))
-    };
-    let all = names.iter().map(place).collect::<Result<Vec<usize>, String>>()?;
-    match poses.seeded || all.is_empty() {
-        true => Ok(all),
-        false => Err("joint columns are needed: they state where joints are that stay".into()),
-    }
-}
-
-/// Commands for desired poses, in their order, and the expected accuracy of each. `begin` is called at each part of them.
-pub(crate) fn commanded(
-    fitted: &FittedModel,
-    poses: &mut Poses,
-    sought: &Sought,
-    begin: &(dyn Fn() + Sync),
-) -> Result<(Vec<Command>, Vec<Expected>), CompensateError> {
-    let mut commands = commands(fitted, poses, sought, begin)?;
-    if winds_up(fitted, poses) {
-        // The way of the joints is that of the commands: corrections change it by less than the friction's distance.
-        follow(poses, &commands);
-        commands = self::commands(fitted, poses, sought, begin)?;
-    }
-    let expected = match sought.other {
-        Some(other) => relative::expected(fitted, poses, &commands, other)?,
-        None => expected(fitted, poses, &mut commands, sought)?,
-    };
-    Ok((commands, expected))
-}
-
 /// The file of poses or joints.
 fn file(args: &Compensate) -> &Path {
     args.poses.as_ref().or(args.joints.as_ref()).unwrap_or(&args.fit)
@@ -209,7 +163,7 @@ fn read(args: &Compensate, fitted: &FittedModel, placed: &Placed) -> Result<Pose
     let (mut poses, _, warnings) = read_poses(file, chain, &args.named.map_for(fitted))?;
     terminal::warn(&warnings);
     if !placed.of_the_flange() {
-        known(args, fitted, &poses)?;
+        terminal::warn(&known_poses(fitted, &poses, file)?);
     }
     placed.place(&mut poses, &file.display().to_string())?;
     let free = poses.rows.orientation.iter().filter(|orientation| orientation.is_none()).count();
@@ -221,62 +175,6 @@ fn read(args: &Compensate, fitted: &FittedModel, placed: &Placed) -> Result<Pose
         )]);
     }
     Ok(poses)
-}
-
-/// Whether some effect depends on the way of a joint, and the poses do not state its channel.
-fn winds_up(fitted: &FittedModel, poses: &Poses) -> bool {
-    let needs = fitted.model().effects().iter().flat_map(|effect| effect.needs());
-    needs.into_iter().any(|need| {
-        matches!(need, Signal::Channel(name)
-            if by_the_way(&name) && poses.rows.schema.channel(&name).is_none())
-    })
-}
-
-/// Whether a channel of this name is made from the way of a joint.
-fn by_the_way(channel: &str) -> bool {
-    let history = |history| matches!(history, History::Load(_) | History::Work(_) | History::Travel(_));
-    presliding_of(channel).is_some() || history_of(channel).is_some_and(|(what, _)| history(what))
-}
-
-/// The joints of the poses as commanded; where there is no command a joint stays where it was.
-fn follow(poses: &mut Poses, commands: &[Command]) {
-    // Without joint values in the file all rows are one dwell.
-    poses.rows.visit = (0..poses.rows.len()).collect();
-    for (joint, column) in poses.rows.joints.iter_mut().enumerate() {
-        let mut here = column.first().copied().unwrap_or(0.0);
-        for (value, command) in column.iter_mut().zip(commands) {
-            if command.status == Status::Ok {
-                here = command.joints[joint];
-            }
-            *value = here;
-        }
-    }
-}
-
-/// Rejects poses whose target or orientation is unknown to the fit, and warns of those that were only declared.
-fn known(args: &Compensate, fitted: &FittedModel, poses: &Poses) -> Result<(), Failure> {
-    let refused = |row: usize, words: String| {
-        let line = poses.rows.line.get(row).map_or(String::new(), |line| format!("line {line}: "));
-        Failure::Input(format!("{}: {line}{words}", file(args).display()))
-    };
-    let mut done = Vec::new();
-    for (row, &target) in poses.rows.target.iter().enumerate() {
-        if !done.contains(&target) {
-            done.push(target);
-            let warning = beyond::seen(fitted, target).map_err(|words| refused(row, words))?;
-            terminal::warn(warning.as_slice());
-        }
-    }
-    if let Some(row) = poses.rows.orientation.iter().position(Option::is_some) {
-        let warning = beyond::oriented(fitted).map_err(|words| refused(row, words))?;
-        terminal::warn(warning.as_slice());
-    }
-    if fitted.domain.joints.is_empty() {
-        terminal::log(
-            "warning: the fit does not record the range of its data: extrapolation is not detected",
-        );
-    }
-    Ok(())
 }
 
 fn ok(command: &Command) -> bool {
@@ -297,39 +195,4 @@ fn views(chain: &Chain, poses: &Poses, commands: &[Command], expected: &[Expecte
         joints: ok(command).then(|| in_units(chain, &command.joints)),
     };
     commands.iter().zip(expected).enumerate().map(one).collect()
-}
-
-/// Commands for all poses, in their order; chunks are of fixed size, and no command depends on another.
-fn commands(
-    fitted: &FittedModel,
-    poses: &Poses,
-    sought: &Sought,
-    begin: &(dyn Fn() + Sync),
-) -> Result<Vec<Command>, CompensateError> {
-    let rows: Vec<usize> = (0..poses.rows.len()).collect();
-    let inputs = poses.rows.derived_for(fitted.model())?;
-    let compensators = for_tools(fitted, &inputs.schema, sought)?;
-    // Rows of one tool follow one another.
-    let parts: Vec<Vec<Command>> = rows
-        .chunk_by(|a, b| inputs.tool(*a) == inputs.tool(*b))
-        .flat_map(|rows| rows.chunks(CHUNK))
-        .collect::<Vec<_>>()
-        .into_par_iter()
-        .map(|chunk| {
-            begin();
-            let mut compensator = compensators[inputs.tool(chunk[0]).0].clone();
-            let mut conditions = vec![Conditions::default(); TOGETHER];
-            let mut commands = Vec::with_capacity(chunk.len());
-            for rows in chunk.chunks(TOGETHER) {
-                for (conditions, &row) in conditions.iter_mut().zip(rows) {
-                    inputs.conditions_into(row, conditions);
-                }
-                let wanted = |(conditions, &row): (_, &usize)| wanted(poses, conditions, row);
-                let wanted: Vec<CommandRequest<'_>> = conditions.iter().zip(rows).map(wanted).collect();
-                compensator.commands(&wanted, &mut commands);
-            }
-            commands
-        })
-        .collect();
-    Ok(parts.concat())
 }

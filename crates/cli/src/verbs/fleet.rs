@@ -1,21 +1,19 @@
 //! `truepose fleet`: fits of robots of one type as prior for the next.
 
-use super::sessions::chosen;
-use super::told;
-use crate::args::Fleet;
-use crate::extensions::effects;
+use super::{told, usable_fit};
+use crate::args::{Accept, Fleet};
 use crate::failure::Failure;
-use crate::verdict::usable;
-use truepose_io::{check_writable, read_fit, write_fit};
+use truepose_io::{check_writable, write_fit};
 use truepose_report::FleetSummary;
 use truepose_upkeep::fleet;
+use truepose_workflow::in_session;
 
 /// Runs the verb.
 pub fn run(args: &Fleet) -> Result<(), Failure> {
     check_writable(&args.out)?;
     let mut fits = Vec::new();
     for file in &args.fits {
-        fits.push(chosen(usable(file, read_fit(file, effects())?, false)?, None, true)?);
+        fits.push(in_session(usable_fit(file, &Accept::default())?, None, true)?);
     }
     let mut made = fleet(&fits).map_err(|error| {
         let files: Vec<String> = args.fits.iter().map(|file| file.display().to_string()).collect();

@@ -1,17 +1,16 @@
 //! `truepose init`: a robot description from the library, a table to fill in, and a first check.
 
 use super::check::robot_text;
-use super::nominal::Nominal;
 use super::template;
 use crate::args::Init;
 use crate::failure::Failure;
-use crate::library::{Known, ROBOTS};
 use crate::terminal;
 use std::path::{Path, PathBuf};
 use truepose_io::{RobotOptions, check_writable, read_robot, same_file, write_whole};
 use truepose_kinematics::{Chain, JointKind};
 use truepose_report::Alignment::Left;
 use truepose_report::table;
+use truepose_workflow::{Known, Nominal, ROBOTS};
 
 /// Runs the verb.
 pub fn run(args: &Init) -> Result<(), Failure> {

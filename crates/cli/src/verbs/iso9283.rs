@@ -1,18 +1,16 @@
 //! `truepose iso9283`: pose accuracy, repeatability and the other figures of the standard.
 
 use super::reporting::Folder;
-use super::sessions::{chosen, one};
-use super::{print_json, robot};
+use super::{print_json, robot, usable_fit};
 use crate::args::{FramesFrom, Iso9283, Robot};
-use crate::extensions::effects;
 use crate::failure::Failure;
 use crate::terminal;
-use crate::verdict::usable;
 use crate::watch::Watch;
 use std::path::Path;
 use truepose_acceptance::{Alignment, AssessmentOptions, assess};
-use truepose_io::{WholeFiles, read_fit, read_measurements};
+use truepose_io::{WholeFiles, read_measurements};
 use truepose_report::{AcceptanceSummary, acceptance_report};
+use truepose_workflow::{in_session, one_installation};
 
 /// Runs the verb; [`Failure::Criterion`] where a figure does not conform to its limit.
 pub fn run(args: &Iso9283, watch: &Watch) -> Result<(), Failure> {
@@ -21,14 +19,9 @@ pub fn run(args: &Iso9283, watch: &Watch) -> Result<(), Failure> {
         .transpose()?;
     // Errors of instrument and log are none of the robot.
     let fitted = match &args.fit {
-        Some(file) => Some(
-            chosen(
-                usable(file, read_fit(file, effects())?, args.accept.accept)?,
-                args.session.as_deref(),
-                false,
-            )?
-            .of_robot(),
-        ),
+        Some(file) => {
+            Some(in_session(usable_fit(file, &args.accept)?, args.session.as_deref(), false)?.of_robot())
+        }
         None => None,
     };
     let (chain, reading) = match (&fitted, &args.robot) {
@@ -47,7 +40,7 @@ pub fn run(args: &Iso9283, watch: &Watch) -> Result<(), Failure> {
     };
     let (data, info, warnings) = read_measurements(&args.data, &chain, &reading)?;
     terminal::warn(&warnings);
-    one(&info, &args.data)?;
+    one_installation(&info, &args.data)?;
     watch.doing("assessing repeated poses");
     let options = AssessmentOptions {
         alignment: args.align.map(|align| match align {

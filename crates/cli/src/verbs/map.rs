@@ -1,34 +1,27 @@
 //! `truepose map`: accuracy over the workspace, before and after compensation.
 
 use super::reporting::Folder;
-use super::sessions::chosen;
-use super::{beyond, print_json, status, target};
+use super::{print_json, status, target, usable_fit};
 use crate::args::Map;
-use crate::extensions::effects;
 use crate::failure::Failure;
 use crate::terminal;
-use crate::verdict::usable;
 use crate::watch::Watch;
 use std::path::Path;
 use truepose_compensate::{
     AccuracyMap, MapGrid, MapNode, MapOptions, Status, accuracy_map, middle_conditions,
 };
 use truepose_errormodel::FittedModel;
-use truepose_io::{MapRow, WholeFiles, check_writable, map_file, read_fit};
+use truepose_io::{MapRow, WholeFiles, check_writable, map_file};
 use truepose_kinematics::nalgebra::Vector3;
 use truepose_kinematics::{Load, Payload, Pose};
 use truepose_report::{MapView, PlaceView, count, map_report, millimetres};
+use truepose_workflow::{beyond, in_session};
 
 /// Runs the verb.
 pub fn run(args: &Map, watch: &Watch) -> Result<(), Failure> {
     check_writable(&args.out)?;
     let folder = Folder::with_head(args.report.as_ref(), "map.json", args.certificate.as_ref())?;
-    let fitted = chosen(
-        usable(&args.fit, read_fit(&args.fit, effects())?, args.accept.accept)?,
-        args.session.as_deref(),
-        true,
-    )?
-    .of_robot();
+    let fitted = in_session(usable_fit(&args.fit, &args.accept)?, args.session.as_deref(), true)?.of_robot();
     let chain = fitted.chain();
     let mut conditions = middle_conditions(&fitted);
     if let Some(mass) = args.payload {
@@ -148,7 +141,7 @@ fn say(args: &Map, fitted: &FittedModel, map: &AccuracyMap) -> Result<(), Failur
     let mut tally = beyond::Tally::default();
     let reached = map.nodes.iter().filter(|node| node.status == Status::Ok);
     reached.clone().for_each(|node| tally.add(&node.beyond));
-    tally.warn("place", fitted.chain(), &fitted.channels);
+    terminal::warn(tally.warning("place", fitted.chain(), &fitted.channels).as_slice());
     let not_helped = reached.filter(|node| !node.helps).count();
     let within = map.within();
     let figures = |map: &AccuracyMap| {

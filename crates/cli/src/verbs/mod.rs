@@ -1,68 +1,52 @@
 //! The verbs: each reads its files, calls the libraries, prints and writes.
 
-pub(crate) mod beyond;
-pub(crate) mod campaign;
 mod check;
 mod compare;
-pub(crate) mod compensate;
+mod compensate;
 mod completions;
-mod declared_landmarks;
-pub(crate) mod discover;
+mod criteria;
+mod discover;
 mod dwell;
 mod effects;
-pub(crate) mod expected;
-pub(crate) mod export;
+mod export;
 mod files;
 mod fleet;
-pub(crate) mod folds;
-mod frames;
-mod held_out;
-pub(crate) mod identified;
-pub(crate) mod identify;
+mod identify;
 mod init;
-pub(crate) mod installation;
 mod iso9283;
-mod joint_units;
 mod map;
-pub(crate) mod mistakes;
 mod monitor;
-mod nominal;
-pub(crate) mod observers;
-pub(crate) mod parameters;
 mod plan;
 mod plan_iso9283;
 mod plan_monitor;
-pub(crate) mod plan_observed;
+mod plan_observed;
 mod plan_options;
 mod plan_transfer;
-mod points;
 mod poses_of_fit;
-pub(crate) mod predict;
-pub(crate) mod program;
-mod relative;
+mod predict;
+mod program;
 mod repeated;
 mod reporting;
-pub(crate) mod sessions;
 mod simulate;
-pub(crate) mod sister;
+mod sister;
 mod stream;
 mod template;
-pub(crate) mod transfer;
+mod transfer;
 mod verify;
-pub(crate) mod vertical;
 
 pub use completions::write as completions;
 
-use crate::args::{Files, Measured, Robot, Verb};
+use crate::args::{Accept, Files, Measured, Robot, Verb};
+use crate::extensions::effects;
 use crate::failure::Failure;
 use crate::terminal;
 use crate::watch::Watch;
 use std::path::Path;
 use truepose_compensate::Status;
-use truepose_errormodel::effects::Geometric;
-use truepose_errormodel::{AnyEffect, FittedModel, ModelError};
-use truepose_io::{CommandStatus, RobotOptions, read_model, read_robot};
+use truepose_errormodel::{FittedModel, ModelError};
+use truepose_io::{CommandStatus, read_fit};
 use truepose_kinematics::{Chain, TargetId};
+use truepose_workflow::{beyond, usable};
 
 /// Runs a verb.
 pub fn run(verb: &Verb, files: &Files, watch: &Watch) -> Result<(), Failure> {
@@ -97,10 +81,16 @@ pub fn run(verb: &Verb, files: &Files, watch: &Watch) -> Result<(), Failure> {
 
 /// Reads a robot and passes on what is suspicious about it.
 fn robot(args: &Robot) -> Result<Chain, Failure> {
-    let options = RobotOptions { base: args.base.clone(), tip: args.tip.clone() };
-    let (chain, warnings) = read_robot(&args.robot, &options)?;
+    let (chain, warnings) = args.files().chain()?;
     terminal::warn(&warnings);
     Ok(chain)
+}
+
+/// Reads a fit for use as that of a robot, and passes on what is known against it.
+fn usable_fit(file: &Path, accepted: &Accept) -> Result<FittedModel, Failure> {
+    let fitted = read_fit(file, effects())?;
+    terminal::warn(&usable(file, &fitted, accepted.accept)?);
+    Ok(fitted)
 }
 
 /// The declared target of this name, if the fit knows where it is.
@@ -122,14 +112,6 @@ fn target(fitted: &FittedModel, name: Option<&str>) -> Result<Option<TargetId>, 
 fn read_files(measured: &Measured) -> Vec<&Path> {
     let Measured { robot, data, model, .. } = measured;
     [Some(&robot.robot), Some(data), model.as_ref()].into_iter().flatten().map(|file| &**file).collect()
-}
-
-/// The declared effects; without a model file constant errors of every frame and target.
-fn declared(measured: &Measured, chain: &Chain) -> Result<Vec<Box<dyn AnyEffect>>, Failure> {
-    Ok(match &measured.model {
-        Some(model) => read_model(model, chain, crate::extensions::effects())?,
-        None => vec![Box::new(Geometric::default())],
-    })
 }
 
 /// An error about what rows lack, with their file.

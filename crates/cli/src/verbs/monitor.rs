@@ -1,22 +1,19 @@
 //! `truepose monitor`: whether a robot has changed since it was calibrated.
 
-use super::print_json;
 use super::reporting::Folder;
-use super::sessions::{chosen, one};
+use super::{print_json, usable_fit};
 use crate::args::Monitor;
-use crate::extensions::effects;
 use crate::failure::Failure;
 use crate::terminal;
-use crate::verdict::usable;
 use crate::watch::Watch;
 use std::path::Path;
 use truepose_identify::Residuals;
 use truepose_io::{
-    LookRecord, MonitorHistory, WholeFiles, check_writable, file_digest, read_fit, read_measurements,
-    write_whole,
+    LookRecord, MonitorHistory, WholeFiles, check_writable, file_digest, read_measurements, write_whole,
 };
 use truepose_report::{LookView, MonitorSummary, Verdict, history_page, monitor_report};
 use truepose_upkeep::{Installation, MonitorOptions, monitor};
+use truepose_workflow::{in_session, one_installation};
 
 /// Runs the verb; [`Failure::Changed`] where the robot has changed.
 pub fn run(args: &Monitor, watch: &Watch) -> Result<(), Failure> {
@@ -26,11 +23,7 @@ pub fn run(args: &Monitor, watch: &Watch) -> Result<(), Failure> {
     let folder = Folder::prepare(args.report.as_ref(), "monitor.json")?
         .map(|folder| folder.certified(args.certificate.as_ref()))
         .transpose()?;
-    let fitted = chosen(
-        usable(&args.fit, read_fit(&args.fit, effects())?, args.accept.accept)?,
-        args.session.as_deref(),
-        args.base,
-    )?;
+    let fitted = in_session(usable_fit(&args.fit, &args.accept)?, args.session.as_deref(), args.base)?;
     let (_, digest) = file_digest(&args.fit)?;
     // Read while the file is locked ([`super::files::locked`]): what another run adds comes before or after all of this.
     let mut history = match &args.history {
@@ -43,7 +36,7 @@ pub fn run(args: &Monitor, watch: &Watch) -> Result<(), Failure> {
     let (data, info, warnings) =
         read_measurements(&args.data, fitted.chain(), &args.grouped.measured_for(&fitted))?;
     terminal::warn(&warnings);
-    one(&info, &args.data)?;
+    one_installation(&info, &args.data)?;
     watch.doing("looking for changes");
     let installation = Installation { base: args.base, tool: args.tool, targets: args.targets };
     let options = MonitorOptions { alpha: args.alpha, looks: history.looks.len(), installation };

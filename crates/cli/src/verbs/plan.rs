@@ -1,9 +1,7 @@
 //! `truepose plan`: further measurements.
 
-use super::joint_units::{self, in_units, joint_names};
 use super::plan_options::{goals, options};
 use super::reporting::Folder;
-use super::sessions::chosen;
 use super::told;
 use crate::args::{Plan, PlannedTest};
 use crate::extensions::effects;
@@ -16,6 +14,10 @@ use truepose_identify::plan;
 use truepose_io::{PlannedVisit, WholeFiles, check_writable, read_fit, write_plan};
 use truepose_kinematics::Load;
 use truepose_report::{PlanSummary, PlanView, PlannedView, plan_report};
+use truepose_workflow::{
+    in_session,
+    joint_units::{self, in_units, joint_names},
+};
 
 /// Runs the verb.
 pub fn run(args: &Plan, watch: &Watch) -> Result<(), Failure> {
@@ -36,8 +38,8 @@ pub fn run(args: &Plan, watch: &Watch) -> Result<(), Failure> {
     let file = args.fit.as_ref().ok_or_else(|| Failure::Input("--fit: a fit is needed".into()))?;
     let folder = Folder::with_head(args.report.as_ref(), "plan.json", args.certificate.as_ref())?;
     let registry = effects();
-    let fitted = chosen(read_fit(file, registry)?, args.session.as_deref(), true)?;
-    let in_session = |fit| chosen(fit, args.session.as_deref(), true);
+    let fitted = in_session(read_fit(file, registry)?, args.session.as_deref(), true)?;
+    let in_session = |fit| in_session(fit, args.session.as_deref(), true);
     let rival = args.rival.as_ref().map(|file| in_session(read_fit(file, registry)?)).transpose()?;
     let goals = goals(args, &fitted)?;
     let options = options(args)?;

@@ -1,6 +1,5 @@
 //! `truepose plan --for iso9283`: the five poses of the standard, in 30 cycles.
 
-use super::sessions::chosen;
 use super::{print_json, robot};
 use crate::args::{Plan, Robot};
 use crate::extensions::effects;
@@ -12,12 +11,15 @@ use truepose_io::{TestPoseRow, check_writable, read_fit, write_test_plan};
 use truepose_kinematics::Payload;
 use truepose_kinematics::nalgebra::Vector3;
 use truepose_report::{count, significant};
+use truepose_workflow::in_session;
 
 /// Runs the verb.
 pub fn run(args: &Plan, watch: &Watch) -> Result<(), Failure> {
     check_writable(&args.out)?;
     let chain = match (&args.fit, &args.robot) {
-        (Some(file), _) => chosen(read_fit(file, effects())?, args.session.as_deref(), true)?.chain().clone(),
+        (Some(file), _) => {
+            in_session(read_fit(file, effects())?, args.session.as_deref(), true)?.chain().clone()
+        }
         (None, Some(file)) => robot(&Robot {
             robot: file.clone(),
             base: args.base.clone(),

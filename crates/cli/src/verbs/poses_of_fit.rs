@@ -1,7 +1,5 @@
 //! What `plan --for monitor` and `plan --for transfer` share: poses of a fit, written as a plan.
 
-use super::joint_units;
-use super::sessions::chosen;
 use crate::args::Plan;
 use crate::extensions::effects;
 use crate::failure::Failure;
@@ -9,12 +7,13 @@ use std::path::Path;
 use truepose_errormodel::FittedModel;
 use truepose_io::{PlannedVisit, check_writable, read_fit, write_plan};
 use truepose_kinematics::Conditions;
+use truepose_workflow::{in_session, joint_units};
 
 /// The file of the fit and the fit, of the session that was asked for; `what` needs one.
 pub fn read<'a>(args: &'a Plan, what: &str) -> Result<(&'a Path, FittedModel), Failure> {
     check_writable(&args.out)?;
     let file = args.fit.as_ref().ok_or_else(|| Failure::Input(format!("--fit: {what} needs a fit")))?;
-    Ok((file, chosen(read_fit(file, effects())?, args.session.as_deref(), true)?))
+    Ok((file, in_session(read_fit(file, effects())?, args.session.as_deref(), true)?))
 }
 
 /// Writes poses as a plan; `why` is their column of that name.

@@ -7,9 +7,7 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use truepose_io::{WholeFiles, check_writable, file_digest, make_folder, read_details, sha256};
 use truepose_report::{FileRecord, Report, RunRecord};
-
-/// The program with its version.
-pub const PROGRAM: &str = concat!("truepose ", env!("CARGO_PKG_VERSION"));
+pub use truepose_workflow::PROGRAM;
 
 /// A folder that a report will be written into.
 pub struct Folder {

@@ -1,11 +1,10 @@
 //! Identification of files that are larger than memory: read block by block, several times.
 
-use super::identified::{refused, require, streamed};
+use super::criteria::require;
 use super::print_json;
 use crate::args::Identify;
 use crate::failure::Failure;
 use crate::progress::Progress;
-use crate::recorded::record_columns;
 use crate::terminal;
 use crate::watch::Watch;
 use std::path::Path;
@@ -14,6 +13,7 @@ use truepose_identify::{IdentifyError, Source, StreamedOptions, identify_streame
 use truepose_io::{IoError, MeasurementsOptions, MeasurementsReader, sample_measurements, write_fit};
 use truepose_kinematics::Chain;
 use truepose_report::StreamedSummary;
+use truepose_workflow::{about_rows, record_columns, record_streamed};
 
 /// Rows of a block: some megabytes, and work enough for every fold.
 const BLOCK: usize = 16384;
@@ -38,7 +38,7 @@ pub fn identify(
             "--folds: one fold leaves no data to fit; use 2 or more, or 0 for none".into(),
         ));
     }
-    let reading = args.measured.reading()?;
+    let reading = args.measured.files(args.positions_only).reading()?;
     let schema = MeasurementsReader::open(data, chain, &reading)?.schema().clone();
     if let Some(column) = [SESSION, LANDMARK].into_iter().find(|name| schema.channel(name).is_some()) {
         let words = format!("--stream: a column `{}` needs the whole file", column.trim_end_matches('~'));
@@ -55,8 +55,8 @@ pub fn identify(
     };
     let mut found =
         identify_streamed(chain, effects, &mut file, &*solver, &options).map_err(|error| match error {
-            Wrong::Reading(error) => error.into(),
-            Wrong::Identifying(error) => refused(args, error),
+            Wrong::Reading(error) => Failure::from(error),
+            Wrong::Identifying(error) => about_rows(data, error).into(),
         })?;
     let summary = StreamedSummary::new(&found, &args.solver.to_string());
     if args.json {
@@ -66,7 +66,7 @@ pub fn identify(
     }
     if let Some(out) = &args.out {
         let converged = found.fit.converged;
-        streamed(&mut found.fit.fitted, &summary, converged);
+        record_streamed(&mut found.fit.fitted, &summary, converged);
         record_columns(&mut found.fit.fitted, &file.reading.columns);
         write_fit(out, &found.fit.fitted)?;
         terminal::log(&format!("wrote {}", out.display()));

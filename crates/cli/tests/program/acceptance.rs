@@ -6,7 +6,7 @@ use serde_json::Value;
 
 /// A robot of the library, with base and tool as described.
 fn robot() -> String {
-    include_str!("../../robots/ur10e.toml").replace("known = false", "known = true")
+    include_str!("../../../workflow/robots/ur10e.toml").replace("known = false", "known = true")
 }
 
 /// A plan of five poses in 30 cycles, with measured positions that are off by `offset` (base frame, m) and a scatter.

@@ -43,6 +43,7 @@ mod plan_observed;
 mod programs;
 mod report;
 mod round_trip;
+mod same_bytes;
 mod sessions;
 mod side_by_side;
 mod simulated;

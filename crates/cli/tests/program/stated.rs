@@ -139,7 +139,9 @@ fn base_and_tool_of_a_urdf_are_found_and_not_fitted_as_errors() {
     assert!(known.get("assumed").is_none() && number(&known["stages"][0]["train"]["rms_mm"]) > 1000.0);
     let refused = folder.run("identify --robot arm.toml --data data.csv --base-known").ended(2);
     assert!(
-        refused.log.contains("--base-known is for a URDF: arm.toml states in [base] what is known"),
+        refused
+            .log
+            .contains("--base-known: only a URDF leaves it open: arm.toml states in [base] what is known"),
         "{}",
         refused.log
     );

@@ -46,6 +46,9 @@ pub enum RosStyle {
 const UR: [&str; 6] = ["shoulder", "upper_arm", "forearm", "wrist_1", "wrist_2", "wrist_3"];
 
 impl RosStyle {
+    /// All of them.
+    pub const ALL: [RosStyle; 4] = [RosStyle::Ur, RosStyle::Franka, RosStyle::Flexiv, RosStyle::XArm];
+
     /// Its word.
     pub fn word(self) -> &'static str {
         match self {

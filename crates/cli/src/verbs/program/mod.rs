@@ -1,38 +1,22 @@
 //! `truepose compensate --program`: a robot program with compensated points.
 
-mod asked;
-mod backup;
 mod folder;
 mod offsets;
 mod outputs;
-mod places;
-mod rewriting;
-mod rows;
-mod single;
-mod statements;
-mod taught;
 
-use super::print_json;
 use super::reporting::Folder;
-use super::sessions::chosen;
+use super::{print_json, usable_fit};
 use crate::args::{Compensate, NamedFile};
-use crate::extensions::effects;
 use crate::failure::Failure;
 use crate::terminal;
-use crate::verdict::usable;
-pub(crate) use asked::Asked;
-pub(crate) use folder::whole;
 use outputs::outputs;
-pub(crate) use rewriting::Rewritten;
-pub(crate) use single::rewrite;
 use std::path::{Path, PathBuf};
 use truepose_controllers::Outcome;
 use truepose_errormodel::FittedModel;
-use truepose_io::{WholeFiles, check_writable, corrections_file, read_fit};
+use truepose_io::{WholeFiles, check_writable, corrections_file};
 use truepose_report::{count, millimetres, program_report};
-
-/// Most lines of points that a message lists.
-const LISTED: usize = 20;
+use truepose_workflow::in_session;
+use truepose_workflow::program::{LISTED, Rewritten, rewrite_program};
 
 /// The file of corrections beside a program.
 pub fn table_of(out: &Path) -> PathBuf {
@@ -51,8 +35,8 @@ pub fn run(args: &Compensate, file: &Path, read: &[NamedFile]) -> Result<(), Fai
     let folder = Folder::with_head(args.report.as_ref(), "compensation.json", args.certificate.as_ref())?;
     let fitted = fitted(args)?;
     let own = &args.robot_program;
-    let asked = Asked { own, frame: &args.frame, tcp: &args.tcp, frames: args.frames.as_deref() };
-    let made = rewrite(&fitted, file, &asked)?;
+    let made = rewrite_program(&fitted, file, &own.request([&args.frame, &args.tcp], args.frames.as_ref()))?;
+    terminal::warn(&made.warnings);
     let inputs = [Some(&args.fit), own.program.as_ref(), args.frames.as_ref(), args.certificate.as_ref()];
     let inputs: Vec<&Path> = inputs
         .into_iter()
@@ -89,8 +73,8 @@ pub fn run(args: &Compensate, file: &Path, read: &[NamedFile]) -> Result<(), Fai
 
 /// The fit of the robot alone, in one session.
 fn fitted(args: &Compensate) -> Result<FittedModel, Failure> {
-    let fitted = usable(&args.fit, read_fit(&args.fit, effects())?, args.accept.accept)?;
-    Ok(chosen(fitted, args.session.as_deref(), false)?.of_robot())
+    let fitted = usable_fit(&args.fit, &args.accept)?;
+    Ok(in_session(fitted, args.session.as_deref(), false)?.of_robot())
 }
 
 /// `1 corrected, 2 refused`.

@@ -1,12 +1,11 @@
 //! Where the files of a program are written.
 
-use super::rewriting::RewrittenFile;
-use super::rows::short;
 use super::table_of;
 use crate::args::NamedFile;
 use crate::failure::Failure;
 use std::path::{Path, PathBuf};
 use truepose_io::{check_writable, same_file};
+use truepose_workflow::program::{RewrittenFile, short};
 
 /// The place of each file: the program's is `out`. A further file with the program's name and another ending (`job.dat` of
 /// `job.src`) gets the name of `out` with its own ending, any other its own name in the folder of `out`.

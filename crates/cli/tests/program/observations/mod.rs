@@ -3,6 +3,7 @@
 mod camera;
 pub mod cell;
 mod eye;
+#[cfg(feature = "slow")]
 mod observers;
 mod refused;
 mod relative;

@@ -1,18 +1,15 @@
 //! A search asks whether the robot is wrong, or what observed it.
 
 use crate::folder::Folder;
-use std::cell::Cell;
-use std::ops::ControlFlow::Continue;
+use std::ops::ControlFlow;
 use std::path::Path;
-use truepose_cli::front::{Campaign, Searched};
-use truepose_discover::{DiscoverOptions, diagnose};
-use truepose_errormodel::SessionRules;
-use truepose_errormodel::effects::Geometric;
-use truepose_identify::FitOptions;
-use truepose_io::{MeasurementsOptions, RobotOptions, read_measurements, read_robot, robot_surroundings};
-use truepose_solvers::PivotedQr;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
+use truepose_discover::DiscoverOptions;
+use truepose_errormodel::EffectRegistry;
+use truepose_solvers::{LeastSquares, Need, PivotedQr, Solution, SolveError, Solver};
+use truepose_workflow::{DiscoverRequest, InputFiles, NamedSolver, Observer, Search};
 
-#[cfg(feature = "slow")]
 #[test]
 fn a_lens_that_is_not_the_stated_one_is_blamed_and_found() {
     let folder = Folder::empty();
@@ -42,24 +39,52 @@ fn a_lens_that_is_not_the_stated_one_is_blamed_and_found() {
     assert!((fx - 909.0).abs() < 1.5, "{fx}");
 
     // Where the search fails with the lens allowed for, that of the campaign as described counts.
-    let (robot, data) = (folder.file("robot.toml"), folder.file("data.csv"));
-    let (chain, _) = read_robot(&robot, &RobotOptions::default()).unwrap();
-    let (rows, info, _) = read_measurements(data, &chain, &MeasurementsOptions::default()).unwrap();
-    let said = (SessionRules::default(), robot_surroundings(&robot).unwrap());
-    let (solver, options) = (PivotedQr::default(), FitOptions::default());
-    let campaign =
-        Campaign::of(said, chain, vec![Box::new(Geometric::default())], rows, &info, (&solver, &options))
-            .unwrap();
-    let searches = Cell::new(0);
-    let search = |(chain, effects, rows): Searched<'_>, fit: FitOptions| {
-        searches.set(searches.get() + 1);
-        let options = DiscoverOptions { fit, most: 0, ..DiscoverOptions::default() };
-        let found = diagnose(chain, effects, rows, &solver, &options, &|_| Continue(()));
-        if searches.get() == 1 { found.map_err(|error| error.to_string()) } else { Err("broken".into()) }
+    let files = InputFiles {
+        robot: folder.file("robot.toml"),
+        data: folder.file("data.csv"),
+        ..InputFiles::default()
     };
-    let (campaign, _, observers) = campaign.decided((&solver, &options), &search).unwrap();
-    assert_eq!(searches.get(), 2);
-    assert!(observers.is_none());
-    let last = campaign.remarks().last().unwrap();
-    assert_eq!(last, "with eye allowed for, the search failed: broken");
+    let (inputs, _) = files.read(&EffectRegistry::builtin()).unwrap();
+    let searches = Searches::default();
+    let solver = NamedSolver { name: "broken".into(), solver: Box::new(Breaking(searches.clone())) };
+    let options = DiscoverOptions { most: 0, ..DiscoverOptions::default() };
+    let request = DiscoverRequest { options, ..DiscoverRequest::default() };
+    let search = Search::new(inputs, request, solver, &searches).unwrap();
+    let made = search.run(&searches).unwrap();
+    assert_eq!(searches.0.load(Relaxed), 2);
+    assert!(made.summary.observers.is_none() && made.allowing.is_none());
+    let last = made.remarks.last().unwrap();
+    assert!(last.starts_with("with eye allowed for, the search failed: "), "{last}");
+    assert!(last.contains("did not converge"), "{last}");
+}
+
+/// Counts the searches of a run.
+#[derive(Clone, Default)]
+struct Searches(Arc<AtomicUsize>);
+
+impl Observer for Searches {
+    fn step(&self, words: &str) -> ControlFlow<()> {
+        self.0.fetch_add(usize::from(words == "fitting the declared model"), Relaxed);
+        ControlFlow::Continue(())
+    }
+}
+
+/// A solver that fails in the second search.
+struct Breaking(Searches);
+
+impl Solver for Breaking {
+    fn name(&self) -> &str {
+        "breaking"
+    }
+
+    fn supports(&self, need: Need) -> bool {
+        PivotedQr::default().supports(need)
+    }
+
+    fn solve(&self, problem: &LeastSquares<'_>) -> Result<Solution, SolveError> {
+        match self.0.0.load(Relaxed) {
+            0 | 1 => PivotedQr::default().solve(problem),
+            _ => Err(SolveError::Breakdown { what: "the test", rows: 1, columns: 1 }),
+        }
+    }
 }
