@@ -147,4 +147,48 @@ mod tests {
         let ours: Vec<String> = STEPS.iter().chain([&HEADER]).chain(&DENY).map(line).collect();
         assert_eq!(commands, ours);
     }
+
+    /// The name and the text of each manifest of the workspace's crates and tests.
+    fn manifests() -> Vec<(String, String)> {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+        let crates = std::fs::read_dir(root.join("crates")).unwrap().map(|entry| entry.unwrap().path());
+        let read = |folder: std::path::PathBuf| {
+            let text = std::fs::read_to_string(folder.join("Cargo.toml")).unwrap();
+            let name =
+                text.lines().find_map(|line| line.strip_prefix("name = \"")?.strip_suffix('"')).unwrap();
+            (name.to_owned(), text)
+        };
+        crates.chain([root.join("tests")]).map(read).collect()
+    }
+
+    #[test]
+    fn the_slow_list_has_every_feature_slow_and_names_that_exist() {
+        let manifests = manifests();
+        let mut slow: Vec<String> = manifests
+            .iter()
+            .filter(|(_, text)| text.lines().any(|line| line == "slow = []"))
+            .map(|(name, _)| format!("{name}/slow"))
+            .collect();
+        slow.sort();
+        let words = || SLOW.iter().flat_map(|step| step.arguments.windows(2));
+        let after =
+            |option: &str| words().filter(|pair| pair[0] == option).map(|pair| pair[1]).collect::<Vec<_>>();
+        let mut features: Vec<&str> = after("--features").iter().flat_map(|list| list.split(',')).collect();
+        features.sort_unstable();
+        assert_eq!(features, slow);
+        for package in after("-p") {
+            assert!(manifests.iter().any(|(name, _)| name == package), "{package}");
+        }
+    }
+
+    #[test]
+    fn verbs_of_all_steps_are_read() {
+        use clap::Parser;
+        for step in STEPS.iter().chain([&HEADER]).chain(&SLOW) {
+            if step.arguments[0] == "xtask" {
+                let read = crate::Arguments::try_parse_from(step.arguments);
+                assert!(read.is_ok(), "{}", line(step));
+            }
+        }
+    }
 }

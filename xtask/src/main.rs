@@ -94,7 +94,7 @@ enum Verb {
     },
     /// Micro-benchmarks of kernels, in release.
     Micro {
-        /// Which: commands, compensate, errormodel, ffi, identify, kinematics, solvers.
+        /// Which: commands, errormodel, ffi, identify, kinematics, solvers.
         kernels: String,
         /// Passed on to divan: a filter, `--sample-count 20`.
         #[arg(trailing_var_arg = true, allow_hyphen_values = true)]

@@ -2,7 +2,6 @@
 
 mod arguments;
 mod child;
-pub mod clock;
 mod discovery;
 mod growth;
 mod peaks;
@@ -18,6 +17,7 @@ use arguments::Arguments;
 use clap::Parser;
 use std::io::Write;
 use std::process::ExitCode;
+use truepose_micro::clock;
 use workload::Failure;
 
 /// A line to the terminal, or to the process that asked.

@@ -1,8 +1,8 @@
 //! What this machine can do at most on one thread: multiplications with additions a second, and bytes written a second.
 
-use crate::clock::timed;
 use pulp::{Arch, Simd, WithSimd};
 use std::hint::black_box;
+use truepose_micro::clock::timed;
 
 /// Measured limits of one thread.
 #[derive(Debug, Clone, Copy, serde::Serialize, serde::Deserialize)]

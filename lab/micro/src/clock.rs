@@ -1,6 +1,20 @@
-//! Time of a thread, memory, load; what the system does not report is NaN or zero.
+//! Time of a process and of a thread, memory, load; what the system does not report is NaN or zero.
 
+use rustix::time::{ClockId, clock_gettime};
 use std::time::Instant;
+
+/// How long this process has run on all of its threads, s.
+pub fn process() -> f64 {
+    let now = clock_gettime(ClockId::ProcessCPUTime);
+    now.tv_sec as f64 + 1e-9 * now.tv_nsec as f64
+}
+
+/// Seconds of this process and on the wall that some work takes, and what comes of it.
+pub fn timed<T>(work: impl FnOnce() -> T) -> (f64, f64, T) {
+    let (start, began) = (process(), Instant::now());
+    let made = work();
+    (process() - start, began.elapsed().as_secs_f64(), made)
+}
 
 /// Seconds of this thread where the system reports them, else on the wall, that some work takes, and what comes of it.
 pub fn timed_on_thread<T>(work: impl FnOnce() -> T) -> (f64, T) {

@@ -30,10 +30,9 @@ use std::process::ExitCode;
 
 type Run = fn(&[String]) -> Outcome;
 
-const STUDIES: [(&str, Run); 12] = [
+const STUDIES: [(&str, Run); 11] = [
     ("closed-loop", closed_loop::run),
     ("discovery", discovery::run),
-    ("drive", closed_loop::run),
     ("guard-band", guard_band::run),
     ("harm", harm::run),
     ("kinds", kinds::run),

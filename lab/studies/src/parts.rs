@@ -29,7 +29,7 @@ impl Scope {
 }
 
 /// Runs the requested parts, all of them where none is named, of `parts` with the number of robots of each. The table of each is
-/// printed and stands in the study's folder.
+/// printed as it is complete.
 pub fn run(
     study: &str,
     parts: &[(&'static str, u64)],
@@ -53,7 +53,6 @@ pub fn run(
         let table = table(part, &scope)?;
         let mut text = String::new();
         writeln!(text, "{part}, {half} half, {} robots, commit {}\n{table}", scope.robots, commit())?;
-        std::fs::write(folder(study)?.join(format!("{part}.{half}.txt")), &text)?;
         print(&text);
         all += &(text + "\n");
     }

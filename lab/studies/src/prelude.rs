@@ -28,6 +28,7 @@ pub use truepose_kinematics::{
     Axis, Chain, Conditions, FrameId, Joint, JointId, JointKind, Link, Load, Payload, Placed, Placement,
     Pose, Target, TargetId, ToolId, samples,
 };
+pub use truepose_micro::clock::process;
 pub use truepose_simulate::description::{InstrumentSize, PlantOptions, RepeatabilitySize, ShopDay};
 pub use truepose_simulate::physics::changes::{Amount, Change, Mover};
 pub use truepose_simulate::physics::transmission::TransmissionError;

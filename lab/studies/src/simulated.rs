@@ -124,16 +124,6 @@ pub fn noise_of(seen: &Observation, rows: &[usize]) -> f64 {
     (rows.iter().map(square).sum::<f64>() / rows.len().max(1) as f64).sqrt()
 }
 
-/// What this process has taken of the processors, s; NaN where the system does not report it as Linux does.
-pub fn processor_seconds() -> f64 {
-    let text = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
-    let after_name = text.rsplit(')').next().unwrap_or_default();
-    // Hundredths, in user and in system mode.
-    let ticks: Vec<f64> =
-        after_name.split_whitespace().skip(11).take(2).filter_map(|word| word.parse().ok()).collect();
-    if ticks.len() == 2 { 0.01 * ticks.iter().sum::<f64>() } else { f64::NAN }
-}
-
 /// The result of some work, or in words why there is none; a panic is `panic`.
 pub fn caught<T>(work: impl FnOnce() -> Outcome<T>) -> Result<T, String> {
     match std::panic::catch_unwind(std::panic::AssertUnwindSafe(work)) {

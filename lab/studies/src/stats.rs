@@ -1,5 +1,7 @@
 //! Statistics of trials: proportions with their intervals, quantiles, calibration of probabilities, uniformity of p-values.
 
+use truepose_solvers::order;
+
 /// A fraction of trials.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Fraction {
@@ -65,26 +67,17 @@ pub fn rms_of_folds(squares: &Squares) -> f64 {
 
 /// The finite values, ascending.
 pub fn sorted(values: impl IntoIterator<Item = f64>) -> Vec<f64> {
-    let mut values: Vec<f64> = values.into_iter().filter(|value| value.is_finite()).collect();
-    values.sort_by(f64::total_cmp);
-    values
+    order::sorted(values.into_iter().filter(|value| value.is_finite()))
 }
 
-/// The upper of the two in the middle; NaN of nothing.
+/// The upper of the two in the middle of the finite values; NaN of nothing.
 pub fn upper_median(values: impl IntoIterator<Item = f64>) -> f64 {
-    let values = sorted(values);
-    values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
+    order::high_median(sorted(values)).unwrap_or(f64::NAN)
 }
 
 /// Quantile by linear interpolation between order statistics; NaN of nothing.
 pub fn quantile(values: impl IntoIterator<Item = f64>, part: f64) -> f64 {
-    let values = sorted(values);
-    if values.is_empty() {
-        return f64::NAN;
-    }
-    let at = part * (values.len() - 1) as f64;
-    let below = values[at.floor() as usize];
-    below + (at - at.floor()) * (values[at.ceil() as usize] - below)
+    order::quantile(&sorted(values), part).unwrap_or(f64::NAN)
 }
 
 /// The order statistic that is nearest to a quantile; NaN of nothing.
@@ -108,8 +101,7 @@ pub fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
 
 /// Distance of Kolmogorov and Smirnov from the uniform distribution, and its probability (Stephens' form of the limit).
 pub fn uniformity(values: &[f64]) -> (f64, f64) {
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
+    let sorted = order::sorted(values.iter().copied());
     let n = sorted.len() as f64;
     let off = |(k, &p): (usize, &f64)| (p - k as f64 / n).abs().max(((k + 1) as f64 / n - p).abs());
     let distance = sorted.iter().enumerate().map(off).fold(0.0f64, f64::max);

@@ -4,6 +4,7 @@ use crate::hypotheses::candidate::Candidate;
 use crate::hypotheses::family::Family;
 use crate::hypotheses::library::Library;
 use crate::options::DiscoverOptions;
+use crate::problem::anchor::Anchors;
 use crate::problem::dense::Dense;
 use crate::problem::likelihood::Likelihood;
 use crate::problem::linear::Linear;
@@ -182,4 +183,43 @@ fn a_model_with_one_effect_in_place_of_another_is_that_of_whole_matrices() {
             );
         }
     }
+}
+
+/// What a problem keeps of its columns: the Gram matrix of `[A | X | y]`, yᵀP y under its noise, and what a kilogram of payload does.
+fn kept(problem: &Linearisation<'_>) -> Vec<f64> {
+    let more = DMatrix::from_fn(problem.len(), 2, |i, j| 1e-4 * wave(31 * i + j));
+    let normal = problem.normal().expect("few classes");
+    let (gram, _) = normal.gram(NOISE, &normal.candidate_products(&more));
+    let anchor = problem.kept::<Anchors>().at(problem, NOISE.into()).expect("a solution");
+    let heavier = problem.heavier(5.0, None).unwrap();
+    gram.iter().chain([&anchor.squares]).chain(heavier.iter()).copied().collect()
+}
+
+/// A problem whose columns have changed is the one that was never asked before: what it kept of the columns that it had is not used.
+#[test]
+fn nothing_that_was_kept_outlives_a_change_of_the_columns() {
+    let (_, data, fit) = measured();
+    let options = DiscoverOptions::default();
+    let problem = || Linearisation::new(&fit, &data, &options).unwrap();
+    let asked = || {
+        let problem = problem();
+        assert!(kept(&problem).iter().all(|v| v.is_finite()));
+        problem
+    };
+    let muted =
+        |problem: Linearisation<'_>| kept(&problem.muting(1..2).expect("compliances that stand alone"));
+    let wandering = |mut problem: Linearisation<'_>| {
+        let r = problem.base.ncols();
+        let columns = DMatrix::from_fn(problem.len(), 3, |i, j| 1e-4 * wave(17 * i + j));
+        problem.join_wander(&columns, DMatrix::identity(r + 3, r + 3));
+        kept(&problem)
+    };
+    let same = |old: &[f64], new: &[f64]| {
+        old.len() == new.len() && old.iter().zip(new).all(|(a, b)| a.to_bits() == b.to_bits())
+    };
+    assert!(same(&muted(asked()), &muted(problem())));
+    assert!(same(&wandering(asked()), &wandering(problem())));
+    // Without compliances a payload moves nothing.
+    let (loads, count) = (muted(asked()), problem().len());
+    assert!(loads[loads.len() - count..].iter().all(|v| v.abs() < f64::MIN_POSITIVE));
 }

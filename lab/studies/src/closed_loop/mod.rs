@@ -43,12 +43,6 @@ pub fn run(arguments: &[String]) -> Outcome {
     let mut trips = Table::columns(
         "robot -8|asked 10|ok 7|limit 8|unreachable 12|not conv. 8|beyond limits 14|m 9|rad 9|µs each 8",
     );
-    let mut execution_csv = String::from(
-        "robot,plant,visits,ok,before_mm,after_mm,after_max_mm,repeatability_mm,ratio_before,ratio,rows,in_band\n",
-    );
-    let mut trip_csv = String::from(
-        "robot,asked,seeded,poses,ok,unreachable,limit,not_converged,position_m,orientation_rad,seconds\n",
-    );
     let mut all = Fraction::of([]);
     for robot in robots::all()?.into_iter().filter(|robot| robot.name.contains(&only)) {
         for plant in 0..PLANTS {
@@ -60,11 +54,6 @@ pub fn run(arguments: &[String]) -> Outcome {
             let per_cent = format!("{:.1} %", band.percent());
             let tail = [fixed(d.ratio_before(), 1), fixed(d.ratio(), 3), per_cent];
             executions.cells(&[&head[..], &micro, &tail].concat());
-            let [before, after, most, repeat] =
-                [d.before, d.after, d.after_max, d.repeatability].map(|v| 1e3 * v);
-            let (of, ok, rows, share) = (d.of, d.ok, d.rows, d.within as f64 / d.rows as f64);
-            write!(execution_csv, "{name},{plant},{of},{ok},{before},{after},{most},{repeat}")?;
-            writeln!(execution_csv, ",{},{},{rows},{share}", d.ratio_before(), d.ratio())?;
             print(executions.last());
             if d.ratio() > robot.within {
                 print(&format!("{name}: more than {} times its repeatability", robot.within));
@@ -88,16 +77,12 @@ pub fn run(arguments: &[String]) -> Outcome {
                 let each = fixed(1e6 * seconds / c.all() as f64, 1);
                 let tail = [format!("{position:.1e}"), format!("{orientation:.1e}"), each];
                 trips.cells(&[&head[..], &counts, &tail].concat());
-                write!(trip_csv, "{name},{words},{seeded},{},{ok},{unreachable},{limit}", c.all())?;
-                writeln!(trip_csv, ",{not_converged},{position:e},{orientation:e},{seconds}")?;
                 print(trips.last());
             }
         }
     }
     let (executions, per_cent) = (executions.text(), all.percent());
     let text = format!("{executions}in band, all: {per_cent:.2} % of {} rows\n\n{}", all.of, trips.text());
-    std::fs::write(folder.join("execution.csv"), execution_csv)?;
-    std::fs::write(folder.join("round_trip.csv"), trip_csv)?;
     finish("closed-loop", &folder.join("table.txt"), &text)
 }
 

@@ -73,8 +73,7 @@ pub fn run(arguments: &[String]) -> Outcome {
     let mut text = format!("commit {commit}\n\n");
     let mut journal: Journal<Record> = Journal::open(&folder, "nulls", &commit)?;
     if wanted("nulls") {
-        let task = |seed| Task { cause: None, multiple: 0.0, seed, without: false };
-        work(&mut journal, (0..options.nulls).map(task))?;
+        work(&mut journal, (0..options.nulls).map(Task::null))?;
     }
     text += &summary::nulls(&journal.records)?;
 
@@ -83,9 +82,10 @@ pub fn run(arguments: &[String]) -> Outcome {
         // All cells first, then the next robot of each.
         let tasks = (0..options.robots).flat_map(|seed| {
             let causes = &options.causes;
-            options.multiples.iter().flat_map(move |&multiple| {
-                causes.iter().map(move |&cause| Task { cause: Some(cause), multiple, seed, without: false })
-            })
+            options
+                .multiples
+                .iter()
+                .flat_map(move |&multiple| causes.iter().map(move |&cause| Task::of(cause, multiple, seed)))
         });
         work(&mut journal, tasks)?;
     }
@@ -104,7 +104,7 @@ pub fn run(arguments: &[String]) -> Outcome {
         let tasks = (0..options.robots).flat_map(|seed| {
             let causes =
                 options.causes.iter().filter(|c| !matches!(c, HiddenEffect::Outliers | HiddenEffect::Wobble));
-            causes.map(move |&cause| Task { cause: Some(cause), multiple: WITHOUT, seed, without: true })
+            causes.map(move |&cause| Task { without: true, ..Task::of(cause, WITHOUT, seed) })
         });
         work(&mut journal, tasks)?;
     }
@@ -123,7 +123,7 @@ pub fn work(journal: &mut Journal<Record>, tasks: impl Iterator<Item = Task>) ->
 /// One robot, with all results of the search.
 fn one(task: &Task) -> Outcome {
     let (made, diagnosis) = task.diagnosed()?;
-    let truth = made.hidden.as_ref().map_or("nothing hidden".into(), |hidden| hidden.place.words());
+    let truth = made.hidden.first().map_or("nothing hidden".into(), |(_, hidden)| hidden.place.words());
     print(&format!("{}: {} with {}, λ = {:.3}", task.words(), made.robot, truth, made.lambda));
     let settings = DiscoverySettings {
         seed: plants::HOLDOUT.1,

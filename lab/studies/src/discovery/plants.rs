@@ -34,8 +34,8 @@ pub struct Made {
     pub declared: Vec<Box<dyn AnyEffect>>,
     pub plant: Plant,
     pub seen: Observation,
-    /// What is hidden, and λ as it was reached.
-    pub hidden: Option<Hidden>,
+    /// What is hidden, and λ as it was reached by one cause.
+    pub hidden: Vec<(HiddenEffect, Hidden)>,
     pub lambda: f64,
 }
 
@@ -93,20 +93,14 @@ pub fn make(cause: Option<HiddenEffect>, multiple: f64, seed: u64) -> Outcome<Ma
         if let Some((size, lambda)) = ground.size(cause, hidden.as_ref(), multiple)? {
             let one: Vec<(&Hidden, f64)> = hidden.iter().map(|hidden| (hidden, size)).collect();
             let plant = ground.plant(&one)?;
-            return ground.measured(plant, hidden, lambda);
+            return ground.measured(plant, cause.into_iter().zip(hidden).collect(), lambda);
         }
     }
     Err(format!("no place where {} can be that large", word_of(cause)).into())
 }
 
-/// A plant with several causes, measured; of the plant itself none is noted as hidden.
-pub struct Several {
-    pub made: Made,
-    pub causes: Vec<(HiddenEffect, Hidden)>,
-}
-
 /// Draws a plant with two or three causes, each as large as it would be alone.
-pub fn several(multiple: f64, seed: u64) -> Outcome<Several> {
+pub fn several(multiple: f64, seed: u64) -> Outcome<Made> {
     let kinds = robots::all()?;
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     rng.set_stream(u64::MAX);
@@ -132,8 +126,7 @@ pub fn several(multiple: f64, seed: u64) -> Outcome<Several> {
     }
     let all: Vec<(&Hidden, f64)> = found.iter().map(|(_, hidden, size)| (hidden, *size)).collect();
     let plant = ground.plant(&all)?;
-    let made = ground.measured(plant, None, f64::NAN)?;
-    Ok(Several { made, causes: found.into_iter().map(|(cause, hidden, _)| (cause, hidden)).collect() })
+    ground.measured(plant, found.into_iter().map(|(cause, hidden, _)| (cause, hidden)).collect(), f64::NAN)
 }
 
 impl<'a> Ground<'a> {
@@ -262,9 +255,9 @@ impl<'a> Ground<'a> {
         Err("no draw of the noise has an outlier in the training rows".into())
     }
 
-    fn measured(self, plant: Plant, hidden: Option<Hidden>, lambda: f64) -> Outcome<Made> {
+    fn measured(self, plant: Plant, hidden: Vec<(HiddenEffect, Hidden)>, lambda: f64) -> Outcome<Made> {
         let seen = self.seen(&plant)?;
-        let declared = self.undeclared(hidden.as_ref()).effects(&self.chain);
+        let declared = self.undeclared(hidden.first().map(|(_, hidden)| hidden)).effects(&self.chain);
         Ok(Made {
             robot: self.robot.name.clone(),
             heavy: self.heavy,
@@ -288,7 +281,7 @@ mod tests {
             let made = make(Some(cause), 2.0, seed).expect("a plant");
             // λ = 30 · 2², reached within five per cent.
             assert!((made.lambda / 120.0).ln().abs() < 0.05, "{}: {}", cause.word(), made.lambda);
-            assert!(made.hidden.is_some() && !made.seen.data.is_empty());
+            assert!(made.hidden.len() == 1 && !made.seen.data.is_empty());
         }
     }
 

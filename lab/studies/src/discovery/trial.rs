@@ -2,8 +2,8 @@
 //!
 //! Robots with two or three causes at once: do they hide each other?
 
-use super::hidden_effects::{HiddenEffect, word_of};
-use super::plants::{HOLDOUT, Made, Several, make, several};
+use super::hidden_effects::{Hidden, HiddenEffect, word_of};
+use super::plants::{HOLDOUT, Made, make, several};
 use super::record::{Record, intervals};
 use crate::prelude::*;
 use truepose_discover::{
@@ -22,6 +22,16 @@ pub struct Task {
 }
 
 impl Task {
+    /// A robot with one hidden cause, all of the library.
+    pub fn of(cause: HiddenEffect, multiple: f64, seed: u64) -> Self {
+        Task { cause: Some(cause), multiple, ..Task::null(seed) }
+    }
+
+    /// A robot with nothing hidden.
+    pub fn null(seed: u64) -> Self {
+        Task { cause: None, multiple: 0.0, seed, without: false }
+    }
+
     /// What to type for it alone.
     pub fn words(&self) -> String {
         let cause = word_of(self.cause);
@@ -68,10 +78,10 @@ impl Task {
             }
         };
         self.describe(&made, &mut record);
-        let (begun, spent) = (Instant::now(), processor_seconds());
+        let (begun, spent) = (Instant::now(), process());
         let looked = caught(|| self.look(&made, policy));
         record.seconds = begun.elapsed().as_secs_f64();
-        record.processor = processor_seconds() - spent;
+        record.processor = process() - spent;
         match looked {
             Ok(diagnosis) => self.judge(&made, &diagnosis, &mut record),
             Err(words) if words == "panic" => record.first = words,
@@ -94,67 +104,73 @@ impl Task {
     }
 
     fn blank(&self) -> Record {
-        Record {
-            cause: word_of(self.cause),
-            multiple: self.multiple,
-            seed: self.seed,
-            first: "none".into(),
-            ..Record::default()
-        }
+        blank(word_of(self.cause), self.multiple, self.seed)
     }
 
     fn describe(&self, made: &Made, record: &mut Record) {
         record.robot.clone_from(&made.robot);
         record.heavy = made.heavy;
-        record.visits = made.seen.data.visit.iter().max().map_or(0, |last| last + 1);
+        record.visits = visits(made);
         record.lambda = made.lambda;
     }
 
     fn judge(&self, made: &Made, diagnosis: &Diagnosis, record: &mut Record) {
+        compare(made, diagnosis, record);
         let findings = &diagnosis.findings;
-        let right = |family: Family, place: &Place| match (self.cause, &made.hidden) {
-            (Some(cause), Some(hidden)) => is_named(cause, family) && is_there(&hidden.place, place),
-            _ => false,
-        };
-        let hit = |finding: &Finding| right(finding.candidate.family, &finding.candidate.place);
-        record.p_value = diagnosis.unexplained.p_value;
-        record.significant = diagnosis.unexplained.significant;
-        if let Some(first) = findings.first() {
-            record.first = first.candidate.family.word().into();
-            record.first_right = hit(first);
-            record.listed = first.alternatives.iter().any(|a| {
+        record.listed = findings.first().is_some_and(|first| {
+            first.alternatives.iter().any(|a| {
                 let unnamed = self.without && a.family == Family::Unmodelled;
-                a.equivalent && (unnamed || right(a.family, &a.place))
-            });
-            record.p_first = first.p_value;
+                a.equivalent && (unnamed || made.hidden.iter().any(|of| is_named(of, a.family, &a.place)))
+            })
+        });
+        for hidden in &made.hidden {
+            if let Some(found) = findings.iter().find(|finding| is_found(hidden, finding)) {
+                record.intervals = intervals(hidden.0, made, found);
+            }
         }
-        record.found = findings.iter().any(hit);
-        record.findings = findings.len();
-        record.extras = findings.iter().filter(|finding| !hit(finding)).count();
-        (record.ratio, record.ratio_before) = ratios(made, diagnosis);
-        if let (Some(cause), Some(found)) = (self.cause, findings.iter().find(|finding| hit(finding))) {
-            record.intervals = intervals(cause, made, found);
-        }
-        let words: Vec<String> = findings.iter().map(|finding| finding.candidate.words()).collect();
-        let truth = made.hidden.as_ref().map_or(String::new(), |hidden| hidden.place.words());
-        record.story = plain(&format!("truth {truth}: {}", words.join("; ")));
+        let truth = made.hidden.first().map_or(String::new(), |(_, hidden)| hidden.place.words());
+        record.story = plain(&format!("truth {truth}: {}", words(findings)));
     }
 }
 
-/// Held-out RMS over that of the true plant, after and before.
-pub(super) fn ratios(made: &Made, diagnosis: &Diagnosis) -> (f64, f64) {
-    let noise = noise_of(&made.seen, &diagnosis.holdout_rows);
-    let over = |errors: &Errors| errors.holdout.positions().rms / noise;
-    (over(&diagnosis.after), over(&diagnosis.before))
+fn blank(cause: String, multiple: f64, seed: u64) -> Record {
+    Record { cause, multiple, seed, first: "none".into(), ..Record::default() }
 }
 
-/// Whether the family is a right word for a cause.
-pub(super) fn is_named(cause: HiddenEffect, family: Family) -> bool {
-    family == cause.family()
+/// Notes what was found of what is hidden, and how well unseen rows are predicted; how many of the causes have their name and place.
+fn compare(made: &Made, diagnosis: &Diagnosis, record: &mut Record) -> usize {
+    let (hidden, findings) = (&made.hidden, &diagnosis.findings);
+    let right = |finding: &Finding| hidden.iter().any(|of| is_found(of, finding));
+    let named = hidden.iter().filter(|of| findings.iter().any(|finding| is_found(of, finding))).count();
+    record.found = named > 0 && named == hidden.len();
+    record.findings = findings.len();
+    record.extras = findings.iter().filter(|finding| !right(finding)).count();
+    if let Some(first) = findings.first() {
+        record.first = first.candidate.family.word().into();
+        (record.first_right, record.p_first) = (right(first), first.p_value);
+    }
+    (record.p_value, record.significant) = (diagnosis.unexplained.p_value, diagnosis.unexplained.significant);
+    let noise = noise_of(&made.seen, &diagnosis.holdout_rows);
+    let over = |errors: &Errors| errors.holdout.positions().rms / noise;
+    (record.ratio, record.ratio_before) = (over(&diagnosis.after), over(&diagnosis.before));
+    named
+}
+
+fn words(findings: &[Finding]) -> String {
+    findings.iter().map(|finding| finding.candidate.words()).collect::<Vec<_>>().join("; ")
+}
+
+/// Whether a name and a place are right for a cause.
+fn is_named((cause, hidden): &(HiddenEffect, Hidden), family: Family, place: &Place) -> bool {
+    family == cause.family() && is_there(&hidden.place, place)
+}
+
+fn is_found(hidden: &(HiddenEffect, Hidden), finding: &Finding) -> bool {
+    is_named(hidden, finding.candidate.family, &finding.candidate.place)
 }
 
 /// Whether a place agrees with the truth in all keys of the truth.
-pub(super) fn is_there(truth: &Place, place: &Place) -> bool {
+fn is_there(truth: &Place, place: &Place) -> bool {
     let agrees = |truth: &Option<String>, place: &Option<String>| truth.is_none() || truth == place;
     let level = match (truth.level, place.level) {
         (Some(a), Some(b)) => (a - b).abs() < 1e-6,
@@ -188,46 +204,29 @@ pub fn work_several(journal: &mut Journal<Record>, robots: u64) -> Outcome {
 
 /// One robot: `found` when every effect was found with its name and place; `extras` counts other findings.
 fn run_several(seed: u64) -> Record {
-    let blank =
-        Record { cause: WORD.into(), multiple: MULTIPLE, seed, first: "none".into(), ..Record::default() };
-    match judged_several(seed, blank.clone()) {
-        Ok(record) => record,
-        Err(error) => Record { first: "error".into(), story: plain(&error.to_string()), ..blank },
-    }
+    let blank = blank(WORD.into(), MULTIPLE, seed);
+    let failed =
+        |error: Failure| Record { first: "error".into(), story: plain(&error.to_string()), ..blank.clone() };
+    judged_several(seed, blank.clone()).unwrap_or_else(failed)
 }
 
 fn judged_several(seed: u64, mut record: Record) -> Outcome<Record> {
-    let Several { made, causes: hidden } = several(MULTIPLE, seed)?;
-    let options = DiscoverOptions { holdout: Some(HOLDOUT.0), seed: HOLDOUT.1, ..DiscoverOptions::default() };
+    let made = several(MULTIPLE, seed)?;
     let begun = Instant::now();
-    let data = &made.seen.data;
-    let diagnosis = diagnose(&made.chain, &made.declared, data, &PivotedQr::default(), &options, &|_| ())?;
+    let diagnosis = Task::null(seed).look(&made, &Policy::default())?;
     record.seconds = begun.elapsed().as_secs_f64();
     record.robot.clone_from(&made.robot);
-    record.visits = data.visit.iter().max().map_or(0, |last| last + 1);
-    let names = |finding: &Finding, k: usize| {
-        let (cause, hidden) = &hidden[k];
-        is_named(*cause, finding.candidate.family) && is_there(&hidden.place, &finding.candidate.place)
-    };
-    let of_any = |finding: &&Finding| (0..hidden.len()).any(|k| names(finding, k));
-    let named =
-        (0..hidden.len()).filter(|&k| diagnosis.findings.iter().any(|finding| names(finding, k))).count();
-    record.found = named == hidden.len();
-    record.findings = diagnosis.findings.len();
-    record.extras = diagnosis.findings.iter().filter(|finding| !of_any(finding)).count();
-    if let Some(first) = diagnosis.findings.first() {
-        record.first = first.candidate.family.word().into();
-        record.first_right = of_any(&first);
-        record.p_first = first.p_value;
-    }
-    (record.p_value, record.significant) = (diagnosis.unexplained.p_value, diagnosis.unexplained.significant);
-    (record.ratio, record.ratio_before) = ratios(&made, &diagnosis);
-    let truth: Vec<String> =
-        hidden.iter().map(|(cause, hidden)| format!("{} {}", cause.word(), hidden.place.words())).collect();
-    let words: Vec<String> = diagnosis.findings.iter().map(|finding| finding.candidate.words()).collect();
-    record.story =
-        plain(&format!("{named} of {} truth {}: {}", hidden.len(), truth.join("; "), words.join("; ")));
+    record.visits = visits(&made);
+    let named = compare(&made, &diagnosis, &mut record);
+    let truth =
+        made.hidden.iter().map(|(cause, hidden)| format!("{} {}", cause.word(), hidden.place.words()));
+    let (count, truth) = (made.hidden.len(), truth.collect::<Vec<_>>().join("; "));
+    record.story = plain(&format!("{named} of {count} truth {truth}: {}", words(&diagnosis.findings)));
     Ok(record)
+}
+
+fn visits(made: &Made) -> usize {
+    made.seen.data.visit.iter().max().map_or(0, |last| last + 1)
 }
 
 /// What the lines come to.
@@ -240,10 +239,8 @@ pub fn summary_of_several(records: &[Record]) -> Result<String, std::fmt::Error>
     };
     let (named, hidden) =
         ended.iter().filter_map(|r| counts(&r)).fold((0, 0), |sum, (a, b)| (sum.0 + a, sum.1 + b));
-    let mut ratios: Vec<f64> = ended.iter().map(|record| record.ratio).collect();
-    ratios.sort_by(f64::total_cmp);
-    let quantile = |share: f64| ratios.get((share * (ratios.len().max(1) - 1) as f64) as usize).copied();
-    let [middle, most, worst] = [0.5, 0.9, 1.0].map(|share| quantile(share).unwrap_or(f64::NAN));
+    let ratios = || ended.iter().map(|record| record.ratio);
+    let [middle, most, worst] = [0.5, 0.9, 1.0].map(|share| nearest_quantile(ratios(), share));
     let (all, first) = (count(|record| record.found), count(|record| record.first_right));
     let (robots, nothing) = (ended.len(), count(|record| record.findings == 0));
     let extras: usize = ended.iter().map(|record| record.extras).sum();

@@ -63,10 +63,10 @@ pub fn run(robot: &Robot, verbs: &[Verb]) -> Record {
         }
     }
     if verbs.contains(&Verb::Discover) {
-        let (begun, spent) = (Instant::now(), processor_seconds());
+        let (begun, spent) = (Instant::now(), process());
         let found = record.attempt("discover", || discovered(robot));
         record.set(Figure::SecondsDiscover, begun.elapsed().as_secs_f64());
-        record.set(Figure::Processors, processor_seconds() - spent);
+        record.set(Figure::Processors, process() - spent);
         if let Some(found) = found {
             let words = found.findings.iter().map(|finding| finding.candidate.words());
             record.finds = words.collect::<Vec<_>>().join("; ");
@@ -96,14 +96,14 @@ pub fn run(robot: &Robot, verbs: &[Verb]) -> Record {
 /// The whole loop inside of each fold, against the declared model in the same folds.
 pub fn run_nested(robot: &Robot) -> Record {
     let mut record = blank(robot);
-    let (begun, spent) = (Instant::now(), processor_seconds());
+    let (begun, spent) = (Instant::now(), process());
     let judged = record.attempt("nested", || {
         let (split, solver) = (Split::Random { folds: FOLDS, seed: 0 }, PivotedQr::default());
         let options = DiscoverOptions::default();
         Ok(nested(&robot.described, &constant_errors(), &robot.data, &split, &solver, &options, &|_, _| ())?)
     });
     record.set(Figure::SecondsNested, begun.elapsed().as_secs_f64());
-    record.set(Figure::Processors, processor_seconds() - spent);
+    record.set(Figure::Processors, process() - spent);
     if let Some(judged) = judged {
         record.set(Figure::NestedBefore, 1e3 * judged.before.rms);
         record.set(Figure::NestedAfter, 1e3 * judged.after.rms);

@@ -67,12 +67,11 @@ pub fn run(arguments: &[String]) -> Outcome {
     let run = |seed: &u64| Ok(trial::run(*seed));
     robots.complete(0..options.robots, |known, seed| known.seed == *seed, run, words)?;
     let mut nulls: Journal<Discovered> = Journal::open(&folder, "nulls", &commit)?;
-    let null = |seed| Task { cause: None, multiple: 0.0, seed, without: false };
-    work(&mut nulls, (0..options.nulls).map(null))?;
+    work(&mut nulls, (0..options.nulls).map(Task::null))?;
     let mut finds: Journal<Discovered> = Journal::open(&folder, "power", &commit)?;
     let tasks = (0..options.finds).flat_map(|seed| {
         let cells = CLEAR.into_iter().flat_map(|m| FOUND.into_iter().map(move |cause| (m, cause)));
-        cells.map(move |(multiple, cause)| Task { cause: Some(cause), multiple, seed, without: false })
+        cells.map(move |(multiple, cause)| Task::of(cause, multiple, seed))
     });
     work(&mut finds, tasks)?;
 

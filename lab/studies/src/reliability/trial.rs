@@ -226,9 +226,7 @@ fn tolerances(made: &Made, found: &Fit, record: &mut Record) -> Outcome {
 
 /// What the instrument states, in the middle.
 fn typical(data: &Dataset) -> f64 {
-    let mut stated: Vec<f64> = data.position_sd.iter().flatten().copied().filter(|v| !v.is_nan()).collect();
-    stated.sort_by(f64::total_cmp);
-    stated.get(stated.len() / 2).copied().unwrap_or(f64::NAN)
+    upper_median(data.position_sd.iter().flatten().copied())
 }
 
 /// Of so many intervals, how many hold the truth.

@@ -69,14 +69,9 @@ pub fn run(arguments: &[String]) -> Outcome {
 impl Options {
     /// Robots with one hidden cause each, and nulls.
     fn tasks(&self) -> Vec<Task> {
-        let hidden = (0..self.robots).map(|seed| Task {
-            cause: Some(HiddenEffect::all()[seed as usize % HiddenEffect::all().len()]),
-            multiple: self.multiple,
-            seed,
-            without: false,
-        });
-        let nulls = (0..self.nulls).map(|seed| Task { cause: None, multiple: 0.0, seed, without: false });
-        hidden.chain(nulls).collect()
+        let of = |seed: u64| HiddenEffect::all()[seed as usize % HiddenEffect::all().len()];
+        let hidden = (0..self.robots).map(|seed| Task::of(of(seed), self.multiple, seed));
+        hidden.chain((0..self.nulls).map(Task::null)).collect()
     }
 
     /// The default policy, and each belief times each factor.

@@ -29,10 +29,7 @@ fn reached(records: &[Record], strategy: &str, regime: &Regime, of: fn(&Record) 
 
 /// Median; an infinite value counts, one that is missing does not.
 fn median(values: impl Iterator<Item = f64>) -> f64 {
-    let mut values: Vec<f64> = values.filter(|v| !v.is_nan()).collect();
-    values.sort_by(f64::total_cmp);
-    let n = values.len();
-    if n == 0 { f64::NAN } else { 0.5 * (values[(n - 1) / 2] + values[n / 2]) }
+    truepose_solvers::order::median(values.filter(|v| !v.is_nan())).unwrap_or(f64::NAN)
 }
 
 /// Everything that is printed.

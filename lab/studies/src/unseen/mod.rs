@@ -8,7 +8,7 @@ mod cause;
 mod description;
 mod hidden;
 mod plant;
-mod reported;
+mod record;
 mod robots;
 mod size;
 mod stream;
@@ -19,7 +19,7 @@ use crate::journal::commit;
 use crate::prelude::*;
 use crate::results::publish;
 use description::Kind;
-use reported::Record;
+use record::Record;
 use trial::Task;
 
 /// The options of the run.

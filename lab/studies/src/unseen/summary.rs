@@ -2,7 +2,7 @@
 
 use super::cause::Cause;
 use super::description::Kind;
-use super::reported::Record;
+use super::record::Record;
 use crate::prelude::*;
 
 /// A reported repeatability limit within these multiples of the truth is right.

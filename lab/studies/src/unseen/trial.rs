@@ -5,12 +5,12 @@
 use super::cause::Cause;
 use super::description::{Description, Kind};
 use super::plant::{Made, fresh_error, make};
-use super::reported::{Effect, Name, Record, Reported};
+use super::record::Record;
 use super::size::without;
 use super::stream::Key;
 use crate::prelude::*;
 use truepose_discover::{Diagnosis, DiscoverOptions, diagnose};
-use truepose_report::{DiscoverySettings, DiscoverySummary};
+use truepose_report::{AlternativeSummary, DiscoverySettings, DiscoverySummary, FindingSummary};
 
 /// Probability above which a name is confident.
 const CONFIDENT: f64 = 0.9;
@@ -59,7 +59,7 @@ impl Task {
         record.set("rows", made.data.len());
         record.set("floor_mm", 1e3 * made.floor);
         let (reported, diagnosis) = look(&made, &made.data)?;
-        names(&made, &reported, record);
+        names(&made, &reported, record)?;
         against_truth(&made, &reported, &diagnosis, record)?;
         if !made.pieces.is_empty() {
             judge_execution(&made, &reported, &diagnosis.fit.fitted, record)?;
@@ -98,10 +98,19 @@ fn summary(diagnosis: &Diagnosis) -> DiscoverySummary {
     DiscoverySummary::new(diagnosis, settings)
 }
 
-fn look(made: &Made, data: &Dataset) -> Outcome<(Reported, Diagnosis)> {
+fn look(made: &Made, data: &Dataset) -> Outcome<(DiscoverySummary, Diagnosis)> {
     let diagnosis = diagnosed(made, data)?;
-    let reported = Reported::of(&serde_json::to_value(summary(&diagnosis))?);
-    Ok((reported, diagnosis))
+    Ok((summary(&diagnosis), diagnosis))
+}
+
+/// Whether a finding is a cause, with or without a name; excluded rows are none.
+fn is_cause(effect: &&FindingSummary) -> bool {
+    effect.family != "outlier"
+}
+
+/// The word of a variant in a report.
+fn word<T: Serialize>(variant: T) -> Outcome<String> {
+    Ok(serde_json::to_value(variant)?.as_str().unwrap_or_default().to_owned())
 }
 
 fn describe(what: &Description, record: &mut Record) {
@@ -118,61 +127,68 @@ fn describe(what: &Description, record: &mut Record) {
 }
 
 /// Findings, names and their probabilities.
-fn names(made: &Made, reported: &Reported, record: &mut Record) {
-    let right = |family: &str, joint: Option<&str>| {
-        made.hidden.as_ref().is_some_and(|hidden| hidden.is_named(family, joint))
+fn names(made: &Made, reported: &DiscoverySummary, record: &mut Record) -> Outcome {
+    let right = |family: &str, joint: &Option<String>| {
+        made.hidden.as_ref().is_some_and(|hidden| hidden.is_named(family, joint.as_deref()))
     };
-    let is_right = |name: &Name| right(&name.family, name.joint.as_deref());
-    let listed = |effect: &Effect| effect.alternatives.iter().any(&is_right);
-    let causes: Vec<&Effect> = reported.effects.iter().filter(|effect| effect.is_cause()).collect();
+    let is_right = |effect: &FindingSummary| right(&effect.family, &effect.place.joint);
+    let is_other = |other: &AlternativeSummary| right(&other.family, &other.place.joint);
+    let listed = |effect: &FindingSummary| effect.alternatives.iter().any(is_other);
+    let causes: Vec<&FindingSummary> = reported.effects.iter().filter(is_cause).collect();
+    let first = causes.first();
     record.set("findings", causes.len());
     record.set("outliers", reported.effects.len() - causes.len());
-    record.set("found", causes.iter().any(|effect| is_right(&effect.name)));
-    record.set("first", causes.first().map_or("none", |first| first.name.family.as_str()));
-    record.set("first_right", causes.first().is_some_and(|first| is_right(&first.name)));
-    record.set("listed", causes.first().is_some_and(|first| is_right(&first.name) || listed(first)));
-    let confident = |effect: &&&Effect| effect.is_named() && effect.name.probability > Some(CONFIDENT);
-    if causes.iter().any(|effect| effect.name.probability.is_some()) || causes.is_empty() {
-        let wrong = causes.iter().filter(confident).any(|e| !is_right(&e.name) && !listed(e));
-        record.set("confident_wrong", wrong);
-    }
+    record.set("found", causes.iter().any(|effect| is_right(effect)));
+    record.set("first", first.map_or("none", |first| first.family.as_str()));
+    record.set("first_right", first.is_some_and(|first| is_right(first)));
+    record.set("listed", first.is_some_and(|first| is_right(first) || listed(first)));
+    let named = || causes.iter().filter(|effect| effect.family != "unmodelled");
+    let confident = |effect: &&&FindingSummary| effect.name_probability > CONFIDENT;
+    record.set("confident_wrong", named().filter(confident).any(|e| !is_right(e) && !listed(e)));
     // One event for each name of a finding, and one for `none of these`.
     let mut events = Vec::new();
-    for effect in causes.iter().filter(|effect| effect.is_named()) {
-        let all = std::iter::once(&effect.name).chain(&effect.alternatives);
+    for effect in named() {
+        let others = effect.alternatives.iter().filter(|other| other.family != "unmodelled");
+        let others = others.map(|other| (is_other(other), other.probability));
         let mut any = false;
-        for name in all.filter(|name| name.family != "unmodelled") {
-            any |= is_right(name);
-            events.extend(name.probability.map(|p| format!("{p:.4}:{}", u8::from(is_right(name)))));
+        for (hit, probability) in std::iter::once((is_right(effect), effect.name_probability)).chain(others) {
+            any |= hit;
+            events.push(format!("{probability:.4}:{}", u8::from(hit)));
         }
-        events.extend(effect.unnamed.map(|p| format!("{p:.4}:{}", u8::from(!any))));
+        events.push(format!("{:.4}:{}", effect.unnamed_probability, u8::from(!any)));
     }
     record.set("names", events.join("|"));
-    let significant = reported.significant.unwrap_or(false);
-    record.set("alarm", !causes.is_empty() || significant);
-    record.set_some("significant", reported.significant);
-    record.set_some("verdict", reported.verdict.as_deref());
-    record.set_some("p_first", reported.first_p());
-    record.set_some("autocorrelation", reported.autocorrelation);
-    let words: Vec<String> = reported
-        .effects
-        .iter()
-        .map(|e| format!("{} {}", e.name.family, e.name.joint.as_deref().unwrap_or("")))
-        .collect();
+    record.set("alarm", !causes.is_empty() || reported.unexplained.significant);
+    record.set("significant", reported.unexplained.significant);
+    record.set("verdict", word(reported.verdict)?);
+    // Of the first screen: that of the first finding, or of the last screen where nothing is found.
+    let p = first.map_or(reported.unexplained.p_value, |first| first.p_value);
+    record.set_some("p_first", p.is_finite().then_some(p));
+    record.set_some("autocorrelation", reported.dependence.as_ref().map(|d| d.autocorrelation));
+    let words = |e: &FindingSummary| format!("{} {}", e.family, e.place.joint.as_deref().unwrap_or(""));
+    let words: Vec<String> = reported.effects.iter().map(words).collect();
     let truth = made.hidden.as_ref().map_or(String::new(), |hidden| hidden.place());
     record.set("words", format!("truth {truth}: {}", words.join("; ")));
+    Ok(())
 }
 
 /// Repeatability limit, verdict, intervals and predictions compared with the plant.
-fn against_truth(made: &Made, reported: &Reported, diagnosis: &Diagnosis, record: &mut Record) -> Outcome {
+fn against_truth(
+    made: &Made,
+    reported: &DiscoverySummary,
+    diagnosis: &Diagnosis,
+    record: &mut Record,
+) -> Outcome {
     if made.hidden.as_ref().is_some_and(|hidden| hidden.cause.is_instrument()) {
         // Fresh positions, repeats and held-out rows of a moving instrument are not in the frame of the truth.
         return Ok(());
     }
     let floor_mm = 1e3 * made.floor;
-    record.set_some("floor_source", reported.floor_source.as_deref());
-    record.set_some("floor_ratio", reported.floor_mm.map(|mm| mm / floor_mm));
-    record.set_some("floor_covered", reported.floor_ci95_mm.map(|ci| (ci[0]..=ci[1]).contains(&floor_mm)));
+    let inside = |ci: [f64; 2], truth: f64| (ci[0]..=ci[1]).contains(&truth);
+    let limit = &reported.noise_floor;
+    record.set("floor_source", word(limit.source)?);
+    record.set_some("floor_ratio", limit.rms_mm.map(|mm| mm / floor_mm));
+    record.set_some("floor_covered", limit.ci95_mm.map(|ci| inside(ci, floor_mm)));
     let options = DiscoverOptions::default().fit;
     // Fresh positions are those of the robot: without what the instrument adds.
     let beam = made.hidden.as_ref().is_some_and(|hidden| hidden.cause.is_beam());
@@ -202,11 +218,10 @@ fn against_truth(made: &Made, reported: &Reported, diagnosis: &Diagnosis, record
     for (expected, fit) in expected.iter_mut().zip([&diagnosis.declared, &diagnosis.fit]) {
         *expected = 1e3 * fresh_error(&made.shown, &fit.fitted)?.hypot(made.floor);
     }
-    let inside = |ci: [f64; 2], truth: f64| (ci[0]..=ci[1]).contains(&truth);
     for (column, ci, truth) in [
-        ("before_covered", reported.holdout_ci95[0], expected[0]),
-        ("after_covered", reported.holdout_ci95[1], expected[1]),
-        ("gain_covered", reported.gain_ci95, expected[0] - expected[1]),
+        ("before_covered", reported.before.holdout_used().ci95_mm, expected[0]),
+        ("after_covered", reported.after.holdout_used().ci95_mm, expected[1]),
+        ("gain_covered", reported.gain.as_ref().map(|gain| gain.ci95_mm), expected[0] - expected[1]),
     ] {
         record.set_some(column, ci.map(|ci| inside(ci, truth)));
     }
@@ -232,22 +247,25 @@ fn oracle(made: &Made) -> Outcome<Option<f64>> {
 }
 
 /// Whether poses that were displaced as a whole are reported, and what they change.
-fn bad_poses(made: &Made, reported: &Reported, diagnosis: &Diagnosis, record: &mut Record) -> Outcome {
-    let outliers = || reported.effects.iter().filter(|effect| !effect.is_cause());
+fn bad_poses(
+    made: &Made,
+    reported: &DiscoverySummary,
+    diagnosis: &Diagnosis,
+    record: &mut Record,
+) -> Outcome {
+    let outliers = || reported.effects.iter().filter(|effect| !is_cause(effect));
     let rows_of = |pose: usize| -> Vec<usize> {
         (0..made.data.len()).filter(|&row| made.seen.data.visit[row] == pose).map(|row| row + 1).collect()
     };
     let listed = |row: &usize| outliers().any(|effect| effect.rows.contains(row));
-    let named = |pose: usize| outliers().any(|effect| effect.poses.contains(&pose));
     let bad = &made.seen.bad_poses;
-    let whole = bad.iter().filter(|&&pose| named(pose) || rows_of(pose).iter().all(listed)).count();
-    let partly = bad.iter().filter(|&&pose| named(pose) || rows_of(pose).iter().any(listed)).count();
+    let whole = bad.iter().filter(|&&pose| rows_of(pose).iter().all(listed)).count();
+    let partly = bad.iter().filter(|&&pose| rows_of(pose).iter().any(listed)).count();
     let bad_rows: Vec<usize> = bad.iter().flat_map(|&pose| rows_of(pose)).collect();
     let others = outliers().flat_map(|effect| &effect.rows).filter(|row| !bad_rows.contains(row)).count();
     // A suspect is told as well, as a row that no fit uses.
     let suspect = |row: &usize| diagnosis.suspects.contains(&(row - 1));
-    let known =
-        bad.iter().filter(|&&pose| named(pose) || rows_of(pose).iter().all(|r| listed(r) || suspect(r)));
+    let known = bad.iter().filter(|&&pose| rows_of(pose).iter().all(|r| listed(r) || suspect(r)));
     record.set("bad_known", known.count());
     // Of the noise of one row along one axis: what the noise, if it were known, would let be seen.
     let moved = |row: usize| (made.data.measured_position(row) - made.clean.measured_position(row)).norm();
@@ -257,7 +275,7 @@ fn bad_poses(made: &Made, reported: &Reported, diagnosis: &Diagnosis, record: &m
     record.set("bad_partly", partly);
     record.set("other_reported", others);
     let (without, clean) = look(made, &made.clean)?;
-    if let (Some(with), Some(without)) = (reported.floor_mm, without.floor_mm) {
+    if let (Some(with), Some(without)) = (reported.noise_floor.rms_mm, without.noise_floor.rms_mm) {
         record.set("bad_floor_ratio", with / without);
     }
     let error = fresh_error(&made.truth, &diagnosis.fit.fitted)?;
@@ -269,10 +287,15 @@ fn bad_poses(made: &Made, reported: &Reported, diagnosis: &Diagnosis, record: &m
 const LARGEST: usize = 2;
 
 /// Fills the record's columns.
-fn judge_execution(made: &Made, reported: &Reported, fitted: &FittedModel, record: &mut Record) -> Outcome {
-    let causes: Vec<_> = reported.effects.iter().filter(|effect| effect.is_cause()).collect();
+fn judge_execution(
+    made: &Made,
+    reported: &DiscoverySummary,
+    fitted: &FittedModel,
+    record: &mut Record,
+) -> Outcome {
     let named = |piece: &super::hidden::Piece| {
-        causes.iter().any(|effect| piece.is_named(&effect.name.family, effect.name.joint.as_deref()))
+        let mut causes = reported.effects.iter().filter(is_cause);
+        causes.any(|effect| piece.is_named(&effect.family, effect.place.joint.as_deref()))
     };
     let words: Vec<String> = made
         .pieces
