@@ -48,8 +48,8 @@ impl Anchor {
         white.column_mut(r).copy_from(&problem.y);
         whitener.apply(&mut white);
         let gram = gram_matrix(&white);
-        let prior = prior_precision(problem);
-        let mut normal = gram.view((0, 0), (r, r)) + &prior;
+        let prior = problem.prior_precision();
+        let mut normal = gram.view((0, 0), (r, r)) + prior;
         let scale = scales(normal.diagonal().iter());
         unit(&mut normal, &scale);
         let lower = cholesky(normal)?.unpack_dirty();
@@ -57,7 +57,7 @@ impl Anchor {
         solve_lower(&lower, &mut along);
         let solution = back(&lower, &scale, along);
         let left = white.columns(r, 1) - white.columns(0, r) * &solution;
-        let squares = left.norm_squared() + (&prior * &solution).dot(&solution);
+        let squares = left.norm_squared() + (prior * &solution).dot(&solution);
         let of_model: f64 = (0..r).map(|k| 2.0 * (lower[(k, k)] / scale[k]).ln()).sum();
         let determinants = [whitener.log_determinant(), of_model];
         let finite = squares.is_finite() && determinants.iter().all(|v| v.is_finite());
@@ -123,12 +123,6 @@ pub(crate) fn unit(normal: &mut DMatrix<f64>, scale: &[f64]) {
 /// What makes each number of a diagonal one; one of none.
 pub(crate) fn scales<'d>(diagonal: impl IntoIterator<Item = &'d f64>) -> Vec<f64> {
     diagonal.into_iter().map(|&d| if d > 0.0 { 1.0 / d.sqrt() } else { 1.0 }).collect()
-}
-
-/// Precision of the prior of the present model's columns.
-pub(crate) fn prior_precision(linearisation: &Linearisation<'_>) -> DMatrix<f64> {
-    let r = linearisation.base.ncols();
-    linearisation.prior.as_ref().map_or_else(|| DMatrix::zeros(r, r), gram_matrix)
 }
 
 /// D L⁻ᵀ B.

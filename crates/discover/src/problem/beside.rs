@@ -59,7 +59,7 @@ impl Pool {
         let (r, k) = (linearisation.base.ncols(), more.ncols());
         let (n, m) = (r + k, linearisation.len());
         let prior =
-            precision(linearisation.prior.as_ref(), &Vec::from_iter(0..r), k, linearisation.policy.wide);
+            precision(linearisation.prior_precision(), &Vec::from_iter(0..r), k, linearisation.policy.wide);
         let Ok((solution, factor)) = solved(&gram, &prior) else { return nothing() };
         let rss = gram[(n, n)] - gram.view((0, n), (n, 1)).dot(&solution);
         let along = across.rows(0, n).into_owned();

@@ -65,24 +65,27 @@ pub(crate) fn bordered(
     own: &DMatrix<f64>,
 ) -> DMatrix<f64> {
     let (s, k) = (stay.len(), own.ncols());
-    let last = gram.ncols() - 1;
-    let of_model = |at: usize| if at < s { stay[at] } else { last };
-    DMatrix::from_fn(s + k + 1, s + k + 1, |i, j| match ((s..s + k).contains(&i), (s..s + k).contains(&j)) {
-        (true, true) => own[(i - s, j - s)],
-        (true, false) => along[(of_model(j), i - s)],
-        (false, true) => along[(of_model(i), j - s)],
-        (false, false) => gram[(of_model(i), of_model(j))],
-    })
+    let of_model: Vec<usize> = stay.iter().copied().chain([gram.ncols() - 1]).collect();
+    let place = |at: usize| if at < s { at } else { s + k };
+    let mut whole = DMatrix::zeros(s + k + 1, s + k + 1);
+    for (j, &column) in of_model.iter().enumerate() {
+        for (i, &row) in of_model.iter().enumerate() {
+            whole[(place(i), place(j))] = gram[(row, column)];
+        }
+        for i in 0..k {
+            whole[(s + i, place(j))] = along[(column, i)];
+            whole[(place(j), s + i)] = along[(column, i)];
+        }
+    }
+    whole.view_mut((s, s), (k, k)).copy_from(own);
+    whole
 }
 
-/// P: the prior's rows W (r × r) for the model's columns `stay`, and for each of k candidate's coefficients a standard deviation of `width` expected sizes.
-pub(crate) fn precision(prior: Option<&DMatrix<f64>>, stay: &[usize], k: usize, width: f64) -> DMatrix<f64> {
+/// P: that of the model's prior (r × r) for its columns `stay`, and for each of k candidate's coefficients a standard deviation of `width` expected sizes.
+pub(crate) fn precision(of_model: &DMatrix<f64>, stay: &[usize], k: usize, width: f64) -> DMatrix<f64> {
     let s = stay.len();
     let mut precision = DMatrix::zeros(s + k, s + k);
-    if let Some(rows) = prior {
-        let of_model = gram_matrix(rows);
-        precision.view_mut((0, 0), (s, s)).copy_from(&of_model.select_rows(stay).select_columns(stay));
-    }
+    precision.view_mut((0, 0), (s, s)).copy_from(&of_model.select_rows(stay).select_columns(stay));
     (s..s + k).for_each(|at| precision[(at, at)] = 1.0 / (width * width));
     precision
 }
@@ -99,22 +102,27 @@ pub(crate) fn solved(
             if size > 0.0 { 1.0 / size.sqrt() } else { 1.0 }
         })
         .collect();
-    let mut normal = DMatrix::from_fn(n, n, |i, j| (gram[(i, j)] + precision[(i, j)]) * scale[i] * scale[j]);
+    // Its lower triangle.
+    let normal = |ridge: f64| {
+        DMatrix::from_fn(n, n, |i, j| match i >= j {
+            true => {
+                let own = (gram[(i, j)] + precision[(i, j)]) * scale[i] * scale[j];
+                if i == j { own + ridge } else { own }
+            }
+            false => 0.0,
+        })
+    };
     let right = DVector::from_fn(n, |i, _| gram[(i, n)] * scale[i]);
     // Columns that the data cannot distinguish at all stay where the prior holds them.
     let mut ridge = 0.0;
     for _ in 0..8 {
-        if let Some(factor) = cholesky(normal.clone()) {
+        if let Some(factor) = cholesky(normal(ridge)) {
             let solution = factor.solve(&right).component_mul(&DVector::from_column_slice(&scale));
             if solution.iter().all(|v| v.is_finite()) {
                 return Ok((solution, Scaled { factor, scale }));
             }
         }
-        let more = if ridge > 0.0 { 9.0 * ridge } else { 1e-13 };
-        ridge += more;
-        for k in 0..n {
-            normal[(k, k)] += more;
-        }
+        ridge = if ridge > 0.0 { 10.0 * ridge } else { 1e-13 };
     }
     Err(truepose_identify::IdentifyError::NoAnswer {
         solver: "generalized least squares".into(),

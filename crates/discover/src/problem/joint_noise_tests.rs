@@ -2,7 +2,6 @@
 
 use crate::hypotheses::library::Library;
 use crate::options::DiscoverOptions;
-use crate::problem::anchor::prior_precision;
 use crate::problem::dense::Dense;
 use crate::problem::joint_noise::{BesideJoints, joint_repeatability};
 use crate::problem::likelihood::Likelihood;
@@ -138,7 +137,7 @@ fn score_and_information_of_the_components_are_those_of_whole_matrices() {
     let m = linearisation.len();
     let extra = DMatrix::from_fn(m, 2, |i, j| 1e-4 * wave(31 * i + j));
     let r = linearisation.base.ncols();
-    let prior = prior_precision(&linearisation).resize(r + 2, r + 2, 0.0);
+    let prior = linearisation.prior_precision().clone().resize(r + 2, r + 2, 0.0);
     for integrated in [r + 2, r] {
         let restricted = Restricted::new(&linearisation, &extra, 0.0);
         let restricted = if integrated == r { restricted.beside() } else { restricted };

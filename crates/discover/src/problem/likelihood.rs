@@ -70,7 +70,7 @@ impl Likelihood {
         let (r, k) = (linearisation.base.ncols(), extra.ncols());
         let n = r + k;
         let prior =
-            precision(linearisation.prior.as_ref(), &Vec::from_iter(0..r), k, linearisation.policy.wide);
+            precision(linearisation.prior_precision(), &Vec::from_iter(0..r), k, linearisation.policy.wide);
         if linearisation.noise.joints.is_some()
             && let Some(found) = Likelihood::beside_joints(linearisation, extra, &prior)
         {

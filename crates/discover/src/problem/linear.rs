@@ -63,7 +63,7 @@ impl<'s> Linear<'s> {
         let white = self.whitener.of(&extra).select_rows(&self.used);
         let along = cross(self.equations.white(), &white);
         let gram = bordered(self.equations.all(), &stay, &along, &gram_matrix(&white));
-        let held = precision(linearisation.prior.as_ref(), &stay, k, linearisation.policy.wide);
+        let held = precision(linearisation.prior_precision(), &stay, k, linearisation.policy.wide);
         let (solution, _) = solved(&gram, &held)?;
         let mut coefficients = DVector::zeros(r);
         stay.iter().zip(solution.iter()).for_each(|(&at, &value)| coefficients[at] = value);

@@ -23,6 +23,7 @@ use crate::problem::noise::{Levers, Noise};
 use crate::problem::normal::Normal;
 use crate::problem::observation::{Observation, typical_sd};
 use crate::problem::whitening::Whitener;
+use crate::statistics::product::gram_matrix;
 use nalgebra::{DMatrix, DVector};
 use std::any::Any;
 use std::borrow::Cow;
@@ -50,6 +51,8 @@ pub(crate) struct Linearisation<'a> {
     pub base: DMatrix<f64>,
     pub y: DVector<f64>,
     pub prior: Option<DMatrix<f64>>,
+    /// WᵀW, once it is needed.
+    precision: OnceLock<DMatrix<f64>>,
     pub noise: Noise,
     /// Columns of the model that are not in `base`, though they are in the fit.
     muted: Range<usize>,
@@ -91,6 +94,7 @@ impl<'a> Linearisation<'a> {
             base: DMatrix::zeros(0, 0),
             y: DVector::zeros(0),
             prior: fit.prior.rows(),
+            precision: OnceLock::new(),
             noise: fit.noise.into(),
             muted: 0..0,
             wander: 0,
@@ -196,6 +200,13 @@ impl<'a> Linearisation<'a> {
         self.normal.get_or_init(|| Normal::of(&self.observations, self.data, (&self.base, &self.y))).as_ref()
     }
 
+    /// Precision of the prior of the present model's columns, r × r.
+    pub fn prior_precision(&self) -> &DMatrix<f64> {
+        let r = self.base.ncols();
+        let made = || self.prior.as_ref().map_or_else(|| DMatrix::zeros(r, r), gram_matrix);
+        self.precision.get_or_init(made)
+    }
+
     /// What a later module keeps beside a problem that does not change any more; new each time if another type is kept already.
     pub fn kept<T: Any + Default + Send + Sync>(&self) -> Arc<T> {
         let kept = Arc::clone(self.kept.get_or_init(|| Arc::new(T::default())));
@@ -269,7 +280,7 @@ impl<'a> Linearisation<'a> {
         self.prior = self.prior.map(|prior| prior.remove_columns_at(&out).remove_rows_at(&out));
         self.muted = muted;
         self.loads = Loads::default();
-        self.normal = OnceLock::new();
+        (self.normal, self.precision) = (OnceLock::new(), OnceLock::new());
         self.kept = Kept::new();
         Some(self)
     }
@@ -294,7 +305,7 @@ impl<'a> Linearisation<'a> {
         self.base.columns_mut(r, k).copy_from(columns);
         self.prior = Some(prior);
         self.wander = k;
-        self.normal = OnceLock::new();
+        (self.normal, self.precision) = (OnceLock::new(), OnceLock::new());
         self.kept = Kept::new();
     }
 

@@ -18,7 +18,7 @@ use std::ops::Range;
 use truepose_errormodel::Dataset;
 use truepose_identify::NoiseModel;
 
-/// More classes than this are no saving.
+/// So many classes are always a saving; more of them where their products are no more numbers than twice the columns.
 const CLASSES: usize = 4;
 
 /// Groups of equally many numbers that are stated to be equally good.
@@ -103,11 +103,13 @@ impl GroupedColumns {
 impl Products {
     /// Adds them under these weights.
     fn add_to(&self, sum: &mut DMatrix<f64>, (precision, kept): (f64, f64)) {
-        let within = |i: usize, j: usize| self.within.as_ref().map_or(0.0, |within| within[(i, j)]);
-        for j in 0..sum.ncols() {
-            for i in 0..sum.nrows() {
-                sum[(i, j)] += precision * (within(i, j) + kept * self.between[(i, j)]);
+        let between = sum.as_mut_slice().iter_mut().zip(self.between.as_slice());
+        match &self.within {
+            Some(within) => {
+                let both = between.zip(within.as_slice());
+                both.for_each(|((s, b), w)| *s += precision * (w + kept * b));
             }
+            None => between.for_each(|(s, b)| *s += precision * (kept * b)),
         }
     }
 }
@@ -132,6 +134,7 @@ impl Normal {
             }
         };
         let group = |at: usize| (observations[at].visit, observations[at].component);
+        let most = CLASSES.max(2 * base.nrows() / (base.ncols() + 1));
         let mut order: Vec<usize> = (0..observations.len()).collect();
         order.sort_by_key(|&at| group(at));
         let mut classes: Vec<(usize, bool, f64, Vec<usize>)> = Vec::new();
@@ -145,7 +148,7 @@ impl Normal {
             let known = classes.iter().position(|c| c.0 == size && c.1 == position && same(c.2, first));
             match known {
                 Some(class) => classes[class].3.extend(members),
-                None if classes.len() == CLASSES => return None,
+                None if classes.len() == most => return None,
                 None => classes.push((size, position, first, members.to_vec())),
             }
         }
