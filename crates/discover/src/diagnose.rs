@@ -144,6 +144,7 @@ fn attempt(
         fit: declared_options,
         options,
         levels_first: true,
+        full_report: checks == Checks::All,
     };
     let mut first = context.fit_model(Vec::new(), &[])?;
     // The prior widths of declared errors come from the declared model alone; findings do not change them.

@@ -93,7 +93,9 @@ pub(crate) fn search(
             outcome.joints = Some(found);
             continue;
         }
-        outcome.untestable = untestable(&linearisation, &screen, outcome.last.detectable_gain);
+        if context.full_report {
+            outcome.untestable = untestable(&linearisation, &screen, outcome.last.detectable_gain);
+        }
         outcome.model = named(context, outcome.model)?;
         let dropped;
         (outcome.model, dropped) = without_insignificant(context, outcome.model, &mut outcome.refused)?;

@@ -58,7 +58,7 @@ pub(crate) fn winner(
                     candidate: with_estimates(best),
                     evidence,
                     competitors: others,
-                    shortlist: screen.shortlist(linearisation),
+                    shortlist: contests.shortlist(),
                     instead: Vec::new(),
                 };
                 if passed.is_some() || !likelier(&accepted, among_surrogates, linearisation) {

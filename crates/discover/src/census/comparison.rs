@@ -18,6 +18,7 @@ use crate::hypotheses::place::Place;
 use crate::options::DiscoverOptions;
 use crate::problem::linearisation::Linearisation;
 use crate::screen::candidates::{Cause, Screen};
+use std::sync::Arc;
 
 /// The best candidate, and those that it was preferred to.
 pub(crate) struct Compared {
@@ -83,7 +84,7 @@ pub(crate) fn compared(
             let wanted = sizes.len() < budget.variants && !sizes.contains(&size);
             if wanted && matches!(candidate.change, Change::Add(_)) {
                 sizes.push(size);
-                shortlist.push(candidate);
+                shortlist.push(Arc::unwrap_or_clone(candidate));
             }
         }
     }

@@ -50,7 +50,7 @@ pub(crate) fn confirmed(
             open.retain(|&other| other != k);
         }
         room -= next.len();
-        let which: Vec<Candidate> = next.iter().map(|&k| screen.candidates[k].candidate.clone()).collect();
+        let which: Vec<Candidate> = next.iter().map(|&k| (*screen.candidates[k].candidate).clone()).collect();
         for (&k, sums) in next.iter().zip(sums(&which, (all, blocks), 1, options)?) {
             put(screen, k, sums.and_then(|sums| Detail::of(&sums, all, 1, &options.policy)).as_ref());
         }

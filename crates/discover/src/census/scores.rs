@@ -88,7 +88,7 @@ fn scores(
         .iter()
         .enumerate()
         .filter(|(_, screened)| screened.score.is_some())
-        .map(|(k, screened)| (k, &screened.candidate))
+        .map(|(k, screened)| (k, &*screened.candidate))
         .filter(|(_, candidate)| is_single(functions, sample, candidate))
         .filter(|(_, candidate)| White::width_of(candidate, &all.at, &first).is_some())
         .collect();

@@ -104,6 +104,13 @@ impl<'a> Contests<'a> {
         Ok(Contest { present: Arc::clone(&self.present), competitors })
     }
 
+    /// The best causes without a name, in all their variants: those that may replace a finding when it is reconsidered.
+    pub fn shortlist(&self) -> Vec<Candidate> {
+        let unnamed = self.causes.iter().filter(|cause| !cause.family.is_named());
+        let best = unnamed.take(self.linearisation.budget.shortlist);
+        best.flat_map(|cause| &cause.variants).map(|(candidate, ..)| (**candidate).clone()).collect()
+    }
+
     /// Of each of these causes the simplest variant that is not distinguishable from its best one; none where no variant is plausible.
     fn shapes(&mut self, selected: &[usize]) -> Result<Vec<(Shape, Competitor)>, DiscoverError> {
         let (linearisation, screen, visits) = (self.linearisation, self.screen, &self.visits);

@@ -85,7 +85,7 @@ fn partner(
         Side { candidate: &competitor.candidate, columns: &competitor.columns, freedom: competitor.freedom };
     let other = Side { candidate, columns: partners[k].columns(linearisation)?, freedom };
     let score = pair_score(linearisation, screen, visits, [own, other])?;
-    Ok(Some(Partner { candidate: candidate.clone(), score, leads: *alone > competitor.gain }))
+    Ok(Some(Partner { candidate: (**candidate).clone(), score, leads: *alone > competitor.gain }))
 }
 
 /// The position of the competitor that comes first, of competitors that were joined with their partners.

@@ -95,7 +95,7 @@ fn two_of(data: impl FnOnce(&Linearisation<'_>, &Screen, Vec<Competitor>)) {
     let of = |words: &str| -> Competitor {
         let causes = screen.causes(&linearisation);
         let found = causes.iter().flat_map(|cause| &cause.variants).map(|variant| &variant.0);
-        let candidate: Candidate = found.into_iter().find(|c| c.words() == words).expect(words).clone();
+        let candidate: Candidate = (**found.into_iter().find(|c| c.words() == words).expect(words)).clone();
         competitor(&linearisation, &screen, &Visits::of(&rows), candidate).unwrap().expect(words)
     };
     data(&linearisation, &screen, ["transmission j6", "transmission j2", "transmission j4"].map(of).into());

@@ -33,6 +33,8 @@ pub(crate) struct Context<'a> {
     pub options: &'a DiscoverOptions,
     /// Whether rows that lie outside and have a declared payload in common stay in the fits: they may be an effect.
     pub levels_first: bool,
+    /// Whether the result is reported: else only its findings and errors are needed.
+    pub full_report: bool,
 }
 
 /// A model with its fit.

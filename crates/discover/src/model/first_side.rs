@@ -128,6 +128,7 @@ mod tests {
             let declared: Vec<Box<dyn AnyEffect>> = vec![Box::new(Geometric::default())];
             let context = Context {
                 levels_first: true,
+                full_report: true,
                 chain: &chain,
                 declared: &declared,
                 data: &data,

@@ -15,8 +15,9 @@
 use crate::problem::evaluated::Entry;
 use crate::problem::linearisation::Linearisation;
 use crate::problem::whitening::Whitener;
-use crate::statistics::product::cross;
+use crate::statistics::product::{cross, gram_matrix};
 use nalgebra::{DMatrix, DVector, Dyn, Matrix, Storage};
+use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 
@@ -70,10 +71,11 @@ impl Tables {
         self.scores[site * self.observations.len() + visit]
     }
 
-    /// M between two sites of a visit.
-    fn square(&self, visit: usize, a: usize, b: usize) -> f64 {
+    /// M between two sites, visit by visit.
+    fn squares(&self, a: usize, b: usize) -> &[f64] {
         let squares = self.squares.get_or_init(|| squares(&self.jacobian, &self.observations));
-        squares[(a * self.sites + b) * self.observations.len() + visit]
+        let visits = self.observations.len();
+        &squares[(a * self.sites + b) * visits..][..visits]
     }
 
     /// Adds to whitened columns (m × k) what a visit's entries say.
@@ -86,16 +88,14 @@ impl Tables {
         }
     }
 
-    /// XᵀX of functions of the visit (visits × k) at each of these sites, site by site.
-    pub fn products(&self, sites: &[usize], functions: &DMatrix<f64>) -> DMatrix<f64> {
-        let (visits, k) = functions.shape();
+    /// XᵀX of functions of the visit (visits × k) at each of these sites times a factor, site by site.
+    pub fn products(&self, sites: &[(usize, f64)], functions: &DMatrix<f64>) -> DMatrix<f64> {
+        let k = functions.ncols();
         let mut products = DMatrix::zeros(sites.len() * k, sites.len() * k);
-        for (a, &first) in sites.iter().enumerate() {
-            for (b, &second) in sites.iter().enumerate().skip(a) {
-                let weights = DVector::from_fn(visits, |visit, _| self.square(visit, first, second));
-                let mut weighed = functions.clone();
-                weighed.column_iter_mut().for_each(|mut column| column.component_mul_assign(&weights));
-                let block = cross(functions, &weighed);
+        for (a, &(first, factor)) in sites.iter().enumerate() {
+            for (b, &(second, other)) in sites.iter().enumerate().skip(a) {
+                let weighed = weighed(functions.clone(), self.squares(first, second));
+                let block = cross(functions, &weighed) * (factor * other);
                 products.view_mut((a * k, b * k), (k, k)).copy_from(&block);
                 products.view_mut((b * k, a * k), (k, k)).copy_from(&block);
             }
@@ -125,16 +125,28 @@ impl Tables {
 
     /// J̃ᵀz of every visit for each of several z (m × n), site by site: visits × n.
     pub fn at_sites(&self, z: &DMatrix<f32>) -> Vec<DMatrix<f32>> {
-        let jacobian = self.jacobian.map(|v| v as f32);
-        let mut sites = vec![DMatrix::zeros(self.observations.len(), z.ncols()); self.sites];
-        for (visit, own) in self.observations.iter().enumerate() {
-            let seen = jacobian.rows(own.start, own.len()).tr_mul(&z.rows(own.start, own.len()));
-            for (site, row) in seen.row_iter().enumerate() {
-                sites[site].set_row(visit, &row);
+        let (m, visits) = (z.nrows(), self.observations.len());
+        let at = |site: usize| {
+            let sees: Vec<f32> = self.jacobian.column(site).iter().map(|&v| v as f32).collect();
+            let mut products = DMatrix::zeros(visits, z.ncols());
+            let columns = products.as_mut_slice().chunks_exact_mut(visits.max(1));
+            for (products, z) in columns.zip(z.as_slice().chunks_exact(m.max(1))) {
+                for (sum, own) in products.iter_mut().zip(&self.observations) {
+                    *sum = sees[own.clone()].iter().zip(&z[own.clone()]).map(|(a, b)| a * b).sum();
+                }
             }
-        }
-        sites
+            products
+        };
+        (0..self.sites).into_par_iter().map(at).collect()
     }
+}
+
+/// Columns with each row times its weight.
+fn weighed(mut columns: DMatrix<f64>, weights: &[f64]) -> DMatrix<f64> {
+    for column in columns.as_mut_slice().chunks_exact_mut(weights.len().max(1)) {
+        column.iter_mut().zip(weights).for_each(|(value, weight)| *value *= weight);
+    }
+    columns
 }
 
 /// c of every visit.
@@ -175,20 +187,8 @@ pub(crate) struct UnitResponse {
 impl UnitResponse {
     /// XᵀX of functions of the visit, visits × k.
     pub fn products<S: Storage<f64, Dyn, Dyn>>(&self, columns: &Matrix<f64, Dyn, Dyn, S>) -> DMatrix<f64> {
-        let k = columns.ncols();
-        let mut products = DMatrix::zeros(k, k);
-        let mut weighed = DVector::zeros(self.square.len());
-        for (i, a) in columns.column_iter().enumerate() {
-            for ((weighed, a), square) in weighed.iter_mut().zip(a.iter()).zip(&self.square) {
-                *weighed = a * square;
-            }
-            for (j, b) in columns.column_iter().enumerate().skip(i) {
-                let sum = weighed.dot(&b);
-                products[(i, j)] = sum;
-                products[(j, i)] = sum;
-            }
-        }
-        products
+        let roots: Vec<f64> = self.square.iter().map(|square| square.sqrt()).collect();
+        gram_matrix(&weighed(columns.clone_owned(), &roots))
     }
 
     /// XᵀX of a sine and a cosine of the same angles, visits × 2.

@@ -32,6 +32,7 @@ pub(super) fn with_findings(
         fit: options.fit.clone(),
         options: &options,
         levels_first: false,
+        full_report: true,
     };
     let model = Model::declared(context.fit_model(Vec::new(), &[]).unwrap());
     let current = model.current.clone();
@@ -43,7 +44,7 @@ pub(super) fn with_findings(
     let causes = screen.causes(&linearisation);
     let finding = |words: &&str| {
         let found = causes.iter().map(|cause| &cause.variants[0].0).find(|c| c.words() == *words);
-        let candidate = found.expect(words).clone();
+        let candidate = (**found.expect(words)).clone();
         let one = competitor(&linearisation, &screen, &Visits::of(linearisation.data), candidate);
         let one = one.unwrap().expect(words);
         let evidence = collect((&linearisation, &wander), (&screen, &present), &one, 1e-3, &options).unwrap();

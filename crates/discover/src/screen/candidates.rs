@@ -6,6 +6,7 @@ use crate::hypotheses::change::Change;
 use crate::hypotheses::family::Family;
 use crate::hypotheses::library::Library;
 use crate::hypotheses::place::Place;
+use crate::hypotheses::series::series;
 use crate::hypotheses::variant::Variant;
 use crate::policy::penalty_per_coefficient;
 use crate::problem::linearisation::Linearisation;
@@ -40,7 +41,7 @@ pub(crate) struct Cause {
     pub family: Family,
     pub place: Place,
     /// (candidate, gain, freedom), by gain less the price of its unknowns.
-    pub variants: Vec<(Candidate, f64, usize)>,
+    pub variants: Vec<(Arc<Candidate>, f64, usize)>,
     /// Raw columns (m × k) of the best variant, once they are needed.
     columns: OnceLock<DMatrix<f64>>,
 }
@@ -77,7 +78,10 @@ fn is_declared(candidate: &Candidate, linearisation: &Linearisation<'_>) -> bool
         columns.iter().all(|column| column.site.is_some_and(|site| linearisation.has_constant(site)))
     };
     let effects = candidate.effects();
-    !effects.is_empty() && effects.iter().all(|effect| known(&**effect))
+    // A series in something is no constant.
+    series(candidate).is_none_or(|series| series.factors.is_empty())
+        && !effects.is_empty()
+        && effects.iter().all(|effect| known(&**effect))
 }
 
 /// Candidates whose columns stand side by side, so that what is asked of them is one product of matrices.
@@ -117,7 +121,7 @@ impl Screen {
         let projection = Projection::new(linearisation);
         // Without them every candidate is taken for itself.
         let functions = Functions::new(linearisation, &projection, &candidates).ok();
-        let candidates = candidates
+        let judged: Vec<(Option<Score>, bool)> = candidates
             .par_chunks(TOGETHER)
             .flat_map_iter(|chunk| {
                 let at_site: Vec<Option<Option<Score>>> = chunk
@@ -135,18 +139,19 @@ impl Screen {
                 let has_columns: Vec<bool> = columns.iter().map(Option::is_some).collect();
                 let mut sums =
                     projection.sums_of(&columns.into_iter().flatten().collect::<Vec<_>>()).into_iter();
-                let screened = |((candidate, at_site), has_columns): ((&Candidate, _), bool)| {
-                    let candidate = candidate.clone();
-                    if let Some(score) = at_site {
-                        return Screened { candidate, acts: true, score };
+                let judged = |(at_site, has_columns)| match at_site {
+                    Some(score) => (score, true),
+                    None => {
+                        let sums = if has_columns { sums.next() } else { None };
+                        let acts = sums.as_ref().is_some_and(|sums| sums.raw.trace() > 0.0);
+                        (sums.and_then(|sums| projection.score(&sums)), acts)
                     }
-                    let sums = if has_columns { sums.next() } else { None };
-                    let acts = sums.as_ref().is_some_and(|sums| sums.raw.trace() > 0.0);
-                    Screened { candidate, score: sums.and_then(|sums| projection.score(&sums)), acts }
                 };
-                chunk.iter().zip(at_site).zip(has_columns).map(screened).collect::<Vec<_>>()
+                at_site.into_iter().zip(has_columns).map(judged).collect::<Vec<_>>()
             })
             .collect();
+        let screened = |(candidate, (score, acts))| Screened { candidate: Arc::new(candidate), score, acts };
+        let candidates = candidates.into_iter().zip(judged).map(screened).collect();
         let periods = linearisation
             .chain()
             .movable()
@@ -196,7 +201,7 @@ impl Screen {
         let others: Vec<(&Candidate, &Score)> = self
             .candidates
             .iter()
-            .filter_map(|s| Some((&s.candidate, s.score.as_ref()?)))
+            .filter_map(|s| Some((&*s.candidate, s.score.as_ref()?)))
             .filter(|(candidate, _)| functions.and_then(|f| f.place(linearisation, candidate)).is_none())
             .collect();
         let parts: Vec<Largest> = others
@@ -227,17 +232,22 @@ impl Screen {
         let penalty = penalty_per_coefficient(self.projection.len());
         let mut causes: Vec<Cause> = Vec::new();
         let mut known: HashMap<String, usize> = HashMap::new();
-        let mut put = |candidate: Candidate, gain: f64, freedom: usize| {
-            let at = *known.entry(candidate.words()).or_insert_with(|| {
-                let (family, place) = (candidate.family, candidate.place.clone());
-                causes.push(Cause { family, place, variants: Vec::new(), columns: OnceLock::new() });
-                causes.len() - 1
-            });
-            causes[at].variants.push((candidate, gain, freedom));
+        let mut last = 0;
+        let mut put = |candidate: Arc<Candidate>, gain: f64, freedom: usize| {
+            // Variants of one cause follow each other.
+            let same = |cause: &Cause| cause.family == candidate.family && cause.place == candidate.place;
+            if !causes.get(last).is_some_and(same) {
+                last = *known.entry(candidate.words()).or_insert_with(|| {
+                    let (family, place) = (candidate.family, candidate.place.clone());
+                    causes.push(Cause { family, place, variants: Vec::new(), columns: OnceLock::new() });
+                    causes.len() - 1
+                });
+            }
+            causes[last].variants.push((candidate, gain, freedom));
         };
         for screened in &self.candidates {
             if let Some(score) = &screened.score {
-                put(screened.candidate.clone(), score.gain, score.freedom);
+                put(Arc::clone(&screened.candidate), score.gain, score.freedom);
             }
         }
         for wave in &self.periods {
@@ -246,11 +256,11 @@ impl Screen {
                     let Some(effect) = hypothesis.at_period(wave.joint, period) else { continue };
                     let place = Place::joint(linearisation.chain(), wave.joint);
                     let variant = Variant { place, change: Change::Add(vec![effect]) };
-                    put(Candidate::new(Arc::clone(hypothesis), variant), gain, 2);
+                    put(Arc::new(Candidate::new(Arc::clone(hypothesis), variant)), gain, 2);
                 }
             }
         }
-        let worth = |(candidate, gain, freedom): &(Candidate, f64, usize)| {
+        let worth = |(candidate, gain, freedom): &(Arc<Candidate>, f64, usize)| {
             let count = *freedom as f64;
             // By evidence, as if the data knew all of them alike: the law is as wide as they came out.
             let alike = 1.0 + (gain / count).max(1.0).ln();
@@ -286,15 +296,5 @@ impl Screen {
     /// The same of all families.
     pub fn test_counts(&self) -> &TestCounts {
         &self.test_counts
-    }
-
-    /// The best causes without a name, in all their variants: those that may come in for a find when it is looked at again.
-    pub fn shortlist(&self, linearisation: &Linearisation<'_>) -> Vec<Candidate> {
-        self.causes(linearisation)
-            .into_iter()
-            .filter(|cause| !cause.family.is_named())
-            .take(linearisation.budget.shortlist)
-            .flat_map(|cause| cause.variants.into_iter().map(|(candidate, ..)| candidate))
-            .collect()
     }
 }

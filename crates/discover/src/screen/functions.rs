@@ -111,11 +111,8 @@ impl Functions {
                     });
                     let all = wanted.all.then(|| {
                         let functions = values.columns(first, count).into_owned();
-                        let mut raw = tables.products(sites, &functions);
-                        for (at, value) in raw.iter_mut().enumerate() {
-                            let (row, column) = (at % (6 * count), at / (6 * count));
-                            *value *= turned[row / count] * turned[column / count];
-                        }
+                        let each: [(usize, f64); 6] = std::array::from_fn(|k| (sites[k], turned[k]));
+                        let raw = tables.products(&each, &functions);
                         let mut along = DMatrix::zeros(projection.q.ncols(), 6 * count);
                         let mut score = DVector::zeros(6 * count);
                         for (k, (_, (all, scores))) in

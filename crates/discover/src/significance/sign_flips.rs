@@ -36,14 +36,16 @@ pub(crate) fn sign_flips(
     let (sum, fourth) = squares.iter().fold((0.0, 0.0), |(s, f), b| (s + b, f + b * b));
     let whole = scores.row_sum().norm_squared();
     let mut random = ChaCha8Rng::seed_from_u64(seed ^ 0x5167_f11b);
+    let by_pose = scores.transpose();
     let mut as_large = 0;
     for _ in 0..FLIPS {
-        let mut flipped = DMatrix::<f64>::zeros(1, scores.ncols());
-        for row in scores.row_iter() {
+        let mut flipped = vec![0.0; scores.ncols()];
+        for pose in by_pose.as_slice().chunks_exact(flipped.len()) {
             let sign = if random.next_u32() & 1 == 0 { 1.0 } else { -1.0 };
-            flipped += row * sign;
+            flipped.iter_mut().zip(pose).for_each(|(sum, score)| *sum += score * sign);
         }
-        as_large += usize::from(flipped.norm_squared() >= whole * (1.0 - 1e-12));
+        let square: f64 = flipped.iter().map(|sum| sum * sum).sum();
+        as_large += usize::from(square >= whole * (1.0 - 1e-12));
     }
     Some(SignFlips {
         p_value: (1 + as_large) as f64 / (FLIPS + 1) as f64,
