@@ -31,8 +31,8 @@ fn a_lens_that_is_not_the_stated_one_is_blamed_and_found() {
     assert_eq!(observers["preferred"], true);
     let [described, allowed] =
         ["as_described", "allowed"].map(|key| observers["kinds"][0][key].as_f64().unwrap());
-    // The corners scatter by 0.1 px.
-    assert!(allowed < 0.13 && described > 2.0 * allowed, "{described} {allowed}");
+    // The corners scatter by 0.1 px; 16 images hold 40 unknowns, of which each fold has fewer images.
+    assert!(allowed < 0.25 && described > 2.0 * allowed, "{described} {allowed}");
     assert_eq!(found["effects"].as_array().unwrap().len(), 0);
     let values = found["kinds"]["sensors"][0]["values"].as_array().unwrap();
     let fx = values.iter().find(|value| value[0] == "fx").unwrap()[1].as_f64().unwrap();

@@ -3,9 +3,10 @@
 use super::order::Order;
 use crate::linearise::Lineariser;
 use crate::noise::{Beside, beside_others};
-use crate::{Fit, IdentifyError};
+use crate::{Fit, IdentifyError, NoiseModel};
 use nalgebra::{DMatrix, DVector, Vector3};
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
+use std::collections::BTreeMap;
 use truepose_errormodel::Dataset;
 
 /// A suspicion is reported from this p on, of all tests together. A convention.
@@ -29,6 +30,17 @@ pub(super) struct Design {
     pub(super) component: Vec<usize>,
     /// Each number beside the others of its standstill ([`beside_others`]).
     others: Vec<f64>,
+    shared: Option<Shared>,
+}
+
+/// What the numbers of a standstill share in a fit.
+#[derive(Clone, Copy)]
+pub(super) struct Shared {
+    pub noise: NoiseModel,
+    /// Directions in which standstills can be displaced, of all standstills together.
+    pub directions: f64,
+    /// Degrees of freedom that the unknowns leave to them.
+    pub freedom: f64,
 }
 
 /// The numbers of each visit of the data.
@@ -43,6 +55,8 @@ pub(super) struct Tested {
     pub p_value: f64,
     /// F, which tells large changes apart where no p is left.
     ratio: f64,
+    /// Squares of a number that are left, over its variance.
+    scatter: f64,
     pub share: f64,
     /// RMS over its numbers, in metres of the weighted rows.
     pub size: f64,
@@ -53,8 +67,15 @@ pub(super) struct Tested {
 }
 
 impl Design {
-    /// `standstills`: that of each row; its visit where there are too few.
-    pub(super) fn of(fit: &Fit, data: &Dataset, standstills: &[usize]) -> Result<Self, IdentifyError> {
+    /// Of a fit by numbers that count as independent. `standstills`: that of each row; its visit where there are too few. `shared`: what the fit
+    /// that is tested takes the numbers of a standstill to share.
+    pub(super) fn of(
+        fit: &Fit,
+        data: &Dataset,
+        standstills: &[usize],
+        shared: Option<Shared>,
+    ) -> Result<Self, IdentifyError> {
+        let visit_sd = shared.map_or(0.0, |shared| shared.noise.visit_sd);
         let covariance = fit.fitted.covariance().clone();
         let mut lineariser = Lineariser::new(fit.fitted.model(), data, fit.noise, fit.fitted.coefficients())?;
         let width = lineariser.width();
@@ -66,10 +87,11 @@ impl Design {
                 if which > 2 {
                     continue;
                 }
-                let own = fit.noise.position(data.position_sd[at][which]);
+                let stated = data.position_sd[at][which];
                 let w = data.ray(at).unwrap_or_else(|| Vector3::ith(which, 1.0));
-                let sd = own.hypot(fit.noise.visit_sd * w.norm());
-                beside.push((numbers[width - 1], own.powi(-2), w, true));
+                let sd = fit.noise.position(stated);
+                let alone = shared.map_or(sd, |shared| shared.noise.position(stated));
+                beside.push((numbers[width - 1], alone.powi(-2), w, true));
                 x.extend(numbers[..width - 1].iter().map(|v| v / sd));
                 residual.push(numbers[width - 1] / sd);
                 noise.push(sd);
@@ -85,10 +107,10 @@ impl Design {
         let mut others = vec![0.0; row.len()];
         for members in by_visit(&row, data) {
             let numbers: Vec<Beside> = members.iter().map(|&i| beside[i]).collect();
-            let each = beside_others(&numbers, fit.noise.visit_sd);
+            let each = beside_others(&numbers, visit_sd);
             members.iter().zip(each).for_each(|(&i, e)| others[i] = e);
         }
-        Ok(Design { covariance, x, residual, leverage, noise, row, visit, component, others })
+        Ok(Design { covariance, x, residual, leverage, noise, row, visit, component, others, shared })
     }
 
     /// Takes a suspicion's columns into X, with coefficients of their own; whether that could be done.
@@ -292,12 +314,40 @@ impl Own<'_> {
         Some(Tested {
             p_value,
             ratio,
+            scatter,
             share: explained / residual.norm_squared().max(f64::MIN_POSITIVE),
             size: (size / self.numbers.len().max(1) as f64).sqrt(),
             values: values.collect(),
             numbers: self.numbers.clone(),
             columns: a,
         })
+    }
+
+    /// A test of what holds throughout, where the numbers of a standstill share a displacement: F over the mean of the eigenvalues by which standstills
+    /// scatter more than independent numbers would, after what is tested (Rao and Scott 1981, first order).
+    pub(super) fn throughout(&self, a: DMatrix<f64>, kind: &Left) -> Option<Tested> {
+        let mut tested = self.test(a, kind)?;
+        let Some(shared) = self.design.shared else { return Some(tested) };
+        let (a, k) = (&tested.columns, tested.columns.ncols());
+        let across = &self.design.covariance * self.x.tr_mul(a);
+        let left = a - &self.x * &across;
+        let by = DVector::from_iterator(k, tested.values.iter().map(|value| value.0));
+        let after = self.design.residual.select_rows(&self.numbers) - &left * by;
+        let mut scores: BTreeMap<usize, DVector<f64>> = BTreeMap::new();
+        for (at, &i) in self.numbers.iter().enumerate() {
+            let score = scores.entry(self.design.visit[i]).or_insert_with(|| DVector::zeros(k));
+            score.axpy(after[at], &left.row(at).transpose(), 1.0);
+        }
+        let freedom = shared.freedom - k as f64;
+        let inverse = a.tr_mul(&left).cholesky()?.inverse();
+        let squares: f64 = scores.values().map(|score| score.dot(&(&inverse * score))).sum();
+        let scatter = tested.scatter * k as f64;
+        let more = (squares / scatter * shared.directions / freedom).max(1.0);
+        tested.ratio /= more;
+        tested.p_value =
+            if freedom > 0.0 { FisherSnedecor::new(k as f64, freedom).ok()?.sf(tested.ratio) } else { 1.0 };
+        tested.values.iter_mut().for_each(|value| value.1 *= more.sqrt());
+        Some(tested)
     }
 
     /// Squares of the numbers of a kind beside what is tested. What it explains is not taken from them: a fault pulls the whole fit along, and what

@@ -25,8 +25,9 @@ mod order;
 pub use allowed::allowed_for;
 
 use super::Touched;
-use crate::{Fit, FitOptions, IdentifyError, Residuals, fit_again};
-use design::{Design, LEVEL, Tested};
+use crate::{Fit, FitOptions, IdentifyError, NoiseModel, NoiseSource, Residuals, fit_again};
+use design::{Design, LEVEL, Shared, Tested};
+use std::collections::BTreeMap;
 use truepose_errormodel::{Column, Dataset, ErrorModel, own_channel};
 use truepose_kinematics::{FrameId, SEEN, Site, ToolId};
 use truepose_solvers::PivotedQr;
@@ -70,7 +71,10 @@ pub fn suspects(fit: &Fit, data: &Dataset, touched: &Touched) -> Result<Vec<Susp
     if derived.len() * 3 * fit.fitted.coefficients().len() > LARGEST {
         return Ok(Vec::new());
     }
-    let mut design = Design::of(fit, derived, &touched.standstills)?;
+    // What is wrong throughout looks like a displacement of each standstill: it is tested beside numbers that share nothing.
+    let apart = apart(fit, data, derived)?;
+    let (base, shared) = apart.as_ref().map_or((fit, None), |(base, shared)| (base, Some(*shared)));
+    let mut design = Design::of(base, derived, &touched.standstills, shared)?;
     let ends = ends(fit.fitted.model());
     let mut found: Vec<Suspect> = Vec::new();
     while found.len() < MOST {
@@ -93,6 +97,26 @@ pub fn suspects(fit: &Fit, data: &Dataset, touched: &Touched) -> Result<Vec<Susp
         }
     }
     Ok(found)
+}
+
+/// The fit again, with numbers that share nothing and have as much noise in all, and what they shared; none where they share nothing.
+fn apart(fit: &Fit, data: &Dataset, derived: &Dataset) -> Result<Option<(Fit, Shared)>, IdentifyError> {
+    let noise = fit.noise;
+    let Some(left) = fit.scatter.filter(|_| noise.visit_sd > 0.0) else { return Ok(None) };
+    let rays = || (0..derived.len()).map(|row| derived.ray(row).map_or(1.0, |ray| ray.norm_squared()));
+    let typical = (rays().sum::<f64>() / derived.len().max(1) as f64).sqrt();
+    let whole =
+        NoiseModel { position_sd: noise.position_sd.hypot(noise.visit_sd * typical), visit_sd: 0.0, ..noise };
+    let options = FitOptions { noise: NoiseSource::Fixed(whole), ..FitOptions::default() };
+    let Ok(again) = fit_again(fit, data, &PivotedQr::default(), &options) else { return Ok(None) };
+    let mut rows: BTreeMap<usize, usize> = BTreeMap::new();
+    derived.visit.iter().for_each(|&visit| *rows.entry(visit).or_default() += 1);
+    let directions = match derived.rays() {
+        Some(_) => rows.values().map(|&rows| rows.min(3)).sum(),
+        None => 3 * rows.len(),
+    };
+    let shared = Shared { noise, directions: directions as f64, freedom: left.between };
+    Ok(Some((again, shared)))
 }
 
 /// The word for what lies elsewhere from some row on.
@@ -276,7 +300,7 @@ fn worst(
                 let at = freed.rows.binary_search_by_key(&design.row[i], |(row, _)| *row);
                 at.map_or_else(|_| vec![0.0; freed.columns.len()], |at| freed.rows[at].1.clone())
             });
-            if let Some(tested) = own.test(a, &design.left(&of_kind)) {
+            if let Some(tested) = own.throughout(a, &design.left(&of_kind)) {
                 let columns = freed.columns.clone();
                 keep(Named { name: name.clone(), columns, what: freed.what, from: None, weight, tested });
             }
