@@ -27,7 +27,7 @@ impl Dialect {
             Dialect::Krl => name.starts_with('$') && ending == "dat",
             Dialect::Rapid => ending == "cfg",
             Dialect::Fanuc => ending == "va",
-            Dialect::Inform => ending == "cnd",
+            Dialect::Inform => ending == "cnd" || ending == "prm",
             Dialect::UrScript | Dialect::Val3 => false,
         };
         if table {

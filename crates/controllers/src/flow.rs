@@ -5,7 +5,7 @@
 
 use crate::event::{Event, Visit};
 use crate::note::Note;
-use crate::program::Reference;
+use crate::reference::Reference;
 
 /// Frame, tool and load.
 pub(crate) type Active = [Reference; 3];

@@ -2,6 +2,7 @@
 
 mod backup;
 mod correct;
+mod definitions;
 mod dialect;
 mod error;
 mod event;
@@ -16,6 +17,7 @@ mod orientation;
 mod program;
 mod rapid;
 mod reading;
+mod reference;
 mod route;
 mod tokens;
 mod urscript;
@@ -26,8 +28,10 @@ pub use correct::{
     CorrectOptions, Correction, Gathered, Offset, Outcome, Remaining, Taught, Touched, correct, correct_all,
     gathered, is_stated, offsets, unused,
 };
+pub use definitions::Definitions;
 pub use dialect::Dialect;
 pub use error::ControllerError;
 pub use note::Note;
 pub use orientation::Orientation;
-pub use program::{Branch, Carried, Definitions, Point, Program, Reference, Replacement, Value};
+pub use program::{Branch, Point, Program, Replacement, Value};
+pub use reference::{Carried, Reference};

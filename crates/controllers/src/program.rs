@@ -1,12 +1,12 @@
 //! A program and its points, whatever its language.
 
+use crate::definitions::Definitions;
 use crate::event::Event;
 use crate::note::Note;
 use crate::number::Slot;
+use crate::reference::{Carried, Reference};
 use crate::{ControllerError, Dialect, Orientation};
-use std::collections::BTreeMap;
 use truepose_kinematics::Pose;
-use truepose_kinematics::nalgebra::Vector3;
 
 /// A program, byte for byte, and what was read of it.
 #[derive(Debug, Clone)]
@@ -61,56 +61,6 @@ pub enum Value {
     Joints(Vec<f64>),
 }
 
-/// A frame or a tool of a point.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Reference {
-    /// The robot's base, or its flange.
-    Identity,
-    /// One that the program names.
-    Named(String),
-    /// One whose value stands in the program, m.
-    Value(Pose),
-    /// Unknown, for this reason.
-    Unknown(String),
-    /// Not compensated for this reason, whatever else is stated.
-    Excluded(String),
-}
-
-impl Reference {
-    /// In words.
-    pub fn words(&self) -> String {
-        match self {
-            Reference::Identity => "none".into(),
-            Reference::Named(name) => name.clone(),
-            Reference::Value(_) => "given in the program".into(),
-            Reference::Unknown(_) => "unknown".into(),
-            Reference::Excluded(_) => "not compensated".into(),
-        }
-    }
-}
-
-/// What the robot carries at a point, as the program states it.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Carried {
-    /// It is not stated, or not clear, for this reason.
-    Open(String),
-    /// A load.
-    Mass {
-        /// As the program calls it.
-        name: String,
-        /// kg.
-        mass: f64,
-        /// Centre of gravity in the controller's flange, m.
-        com: Vector3<f64>,
-    },
-}
-
-impl Carried {
-    pub(crate) fn unstated() -> Carried {
-        Carried::Open("the program states none".into())
-    }
-}
-
 /// Data of the arm's configuration.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Branch {
@@ -149,125 +99,6 @@ pub enum Branch {
         /// Turn numbers of three axes.
         turns: [i64; 3],
     },
-}
-
-/// Values of frames and tools by their names in the program.
-#[derive(Debug, Clone, Default)]
-pub struct Definitions(pub(crate) BTreeMap<String, Definition>);
-
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) enum Definition {
-    Value(Pose),
-    SameAs(String),
-    /// Mass, kg, and centre of gravity in the flange, m.
-    Load(f64, Vector3<f64>),
-    /// A setting of the controller that is on or off.
-    Switch(bool),
-    /// In the axes of a unit that moves: a positioner. Known where it is stated which one it is.
-    Carried(Reference),
-    /// It has a value that cannot be used, for this reason.
-    Unusable(String),
-    /// Its points are not compensated, whatever else is stated.
-    Excluded(String),
-}
-
-impl Definitions {
-    pub(crate) fn put(&mut self, name: String, definition: Definition) {
-        if matches!(definition, Definition::Excluded(_)) {
-            self.0.insert(name, definition);
-            return;
-        }
-        // A name with two values is neither.
-        if let Some(old) = self.0.get(&name) {
-            let same = *old == definition;
-            if !same && !matches!(old, Definition::Excluded(_)) {
-                let words = format!("{name} has more than one value in the files given");
-                self.0.insert(name, Definition::Unusable(words));
-            }
-            return;
-        }
-        self.0.insert(name, definition);
-    }
-
-    /// The value of a name; none where the files do not have it.
-    ///
-    /// # Errors
-    /// When it has one that cannot be used.
-    pub fn get(&self, name: &str) -> Result<Option<Pose>, String> {
-        let mut name = name;
-        // Chains of names are short; a ring of them has no value.
-        for _ in 0..8 {
-            match self.0.get(name) {
-                None | Some(Definition::Load(..) | Definition::Switch(_)) => return Ok(None),
-                Some(Definition::Value(pose)) => return Ok(Some(*pose)),
-                Some(Definition::Unusable(words) | Definition::Excluded(words)) => return Err(words.clone()),
-                Some(Definition::Carried(_)) => {
-                    return Err(format!(
-                        "a unit that moves carries it (--work {name}=TOOL where the fit has the unit)"
-                    ));
-                }
-                Some(Definition::SameAs(other)) => name = other,
-            }
-        }
-        Ok(None)
-    }
-
-    /// The value of a frame in the axes of the unit that carries it.
-    pub(crate) fn carried(&self, name: &str) -> Result<Option<Pose>, String> {
-        match self.0.get(self.last_name(name)) {
-            Some(Definition::Carried(Reference::Value(pose))) => Ok(Some(*pose)),
-            Some(Definition::Carried(Reference::Named(other))) => self.get(other),
-            _ => self.get(name),
-        }
-    }
-
-    /// The load of a reference.
-    pub(crate) fn load(&self, reference: &Reference) -> Carried {
-        match reference {
-            Reference::Named(name) => {
-                let name = self.last_name(name);
-                // `GRIP.TLOAD` is the load of GRIP.
-                let shown = name.split('.').next().unwrap_or(name);
-                match self.0.get(name) {
-                    Some(Definition::Load(mass, com)) => {
-                        Carried::Mass { name: shown.into(), mass: *mass, com: *com }
-                    }
-                    Some(Definition::Unusable(words)) => Carried::Open(words.clone()),
-                    _ => Carried::Open(format!("the load of {shown} has no value in the files given")),
-                }
-            }
-            Reference::Unknown(words) => Carried::Open(words.clone()),
-            _ => Carried::unstated(),
-        }
-    }
-
-    /// Whether a setting of the controller is on; none where the files do not have it.
-    pub(crate) fn switch(&self, name: &str) -> Option<bool> {
-        match self.0.get(name) {
-            Some(Definition::Switch(on)) => Some(*on),
-            _ => None,
-        }
-    }
-
-    /// Why points with this frame or tool are not compensated, whatever else is stated.
-    pub(crate) fn excluded(&self, name: &str) -> Option<&str> {
-        match self.0.get(self.last_name(name)) {
-            Some(Definition::Excluded(words)) => Some(words),
-            _ => None,
-        }
-    }
-
-    /// The last name in a chain of names.
-    pub fn last_name<'a>(&'a self, name: &'a str) -> &'a str {
-        let mut name = name;
-        for _ in 0..8 {
-            match self.0.get(name) {
-                Some(Definition::SameAs(other)) => name = other,
-                _ => break,
-            }
-        }
-        name
-    }
 }
 
 /// What becomes of a point: its new numbers.

@@ -10,11 +10,13 @@
 
 mod tags;
 
+use crate::definitions::{Definition, Definitions};
 use crate::error::syntax;
 use crate::event::Visit;
 use crate::note::Note;
 use crate::number::{Form, Slot, number_at};
-use crate::program::{Branch, Definition, Definitions, Point, Reference, Value};
+use crate::program::{Branch, Point, Value};
+use crate::reference::Reference;
 use crate::{ControllerError, Dialect, Program};
 use std::collections::BTreeMap;
 use tags::{Tag, tags};

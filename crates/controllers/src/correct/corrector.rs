@@ -11,6 +11,7 @@ use super::placed::{Placed, Stays};
 use super::signals::signals;
 use super::taught::Learned;
 use super::work::Work;
+use crate::definitions::Definitions;
 use crate::program::{Branch, Point, Program, Replacement, Value};
 use crate::{ControllerError, Dialect};
 use truepose_compensate::{Compensator, CompensatorOptions, Installation, installation_of};
@@ -30,6 +31,7 @@ pub(super) struct Placing {
 /// Corrects the points of one program.
 pub(super) struct Corrector<'m> {
     pub(super) dialect: Dialect,
+    pub(super) definitions: &'m Definitions,
     pub(super) fitted: &'m FittedModel,
     pub(super) chain: &'m Chain,
     pub(super) options: &'m CorrectOptions,
@@ -64,6 +66,8 @@ impl<'m> Corrector<'m> {
         if options.turn_axes.is_some_and(|axes| axes.iter().any(|axis| !(1..=6).contains(axis))) {
             return Err(ControllerError::Option("the axes of turn numbers are 1 to 6".into()));
         }
+        let stated = options.pulses.as_deref().zip(program.definitions().pulses_per_degree());
+        stated.map_or(Ok(()), |(stated, known)| alike(stated, known)).map_err(ControllerError::Option)?;
         let (schema, values) = signals(fitted, options)?;
         let mut conditions = Conditions::at(chain, &vec![0.0; chain.movable().len()]).with_load(options.load);
         conditions.channels = values;
@@ -75,6 +79,7 @@ impl<'m> Corrector<'m> {
         };
         Ok(Corrector {
             dialect: program.dialect,
+            definitions: program.definitions(),
             fitted,
             chain,
             options,
@@ -218,7 +223,14 @@ impl<'m> Corrector<'m> {
         let movable: Vec<_> = self.external.robot.iter().map(|&k| self.chain.movable()[k]).collect();
         if self.dialect == Dialect::Inform {
             let Some(pulses) = &self.options.pulses else {
-                return Err("it is in pulses, and how many make a degree is not known (--pulses)".into());
+                return Err(match self.definitions.pulses_per_degree() {
+                    None => "it is in pulses, and how many make a degree is not known (--pulses)".into(),
+                    Some(known) => format!(
+                        "it is in pulses; by the controller's parameters {} make a degree, their signs are not stated: give them as the joints of the fit \
+                         turn (--pulses)",
+                        known.iter().map(|pulses| format!("{pulses:.3}")).collect::<Vec<_>>().join(",")
+                    ),
+                });
             };
             return match pulses.len() == movable.len() {
                 true => Ok(pulses.iter().map(|pulses| 1.0 / pulses).collect()),
@@ -289,4 +301,17 @@ impl<'m> Corrector<'m> {
         let arm = self.arms.all()[self.at].0.chain();
         turns_of(branch, &degrees(arm, &self.external.of_robot(joints)), self.options.turn_axes)
     }
+}
+
+/// Whether pulses per rad that were stated are those of the controller's parameters, per degree and without sign.
+fn alike(stated: &[f64], known: &[f64]) -> Result<(), String> {
+    /// Of their size.
+    const DIGITS: f64 = 1e-3;
+    let each = stated.iter().map(|pulses| pulses.to_radians().abs()).zip(known);
+    let unlike = (1..).zip(each).find(|(_, (stated, known))| (stated - *known).abs() > DIGITS * *known);
+    unlike.map_or(Ok(()), |(axis, (stated, known))| {
+        Err(format!(
+            "axis {axis} has {stated:.3} pulses per degree as stated, {known:.3} by the controller's parameters: the one or the other is of another robot"
+        ))
+    })
 }

@@ -2,7 +2,8 @@
 
 use super::options::CorrectOptions;
 use crate::ControllerError;
-use crate::program::{Program, Reference, Value};
+use crate::program::{Program, Value};
+use crate::reference::Reference;
 use std::collections::BTreeSet;
 use truepose_kinematics::Pose;
 

@@ -17,7 +17,8 @@
 use super::correction::{Correction, Outcome};
 use super::frames::Frames;
 use super::options::CorrectOptions;
-use crate::program::{Point, Program, Reference, Value};
+use crate::program::{Point, Program, Value};
+use crate::reference::Reference;
 use crate::{ControllerError, Dialect};
 use truepose_kinematics::nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use truepose_kinematics::{Pose, rotation_log, rotation_vector};

@@ -16,9 +16,9 @@
 
 use super::statements::statements;
 use crate::Dialect;
+use crate::definitions::{Definition, Definitions};
 use crate::lines::lines;
 use crate::number::number_at;
-use crate::program::{Definition, Definitions};
 use std::collections::BTreeMap;
 use truepose_kinematics::nalgebra::Vector3;
 

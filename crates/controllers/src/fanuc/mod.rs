@@ -21,9 +21,9 @@ mod settings;
 mod statements;
 mod subprograms;
 
+use crate::definitions::{Definition, Definitions};
 use crate::event::{Event, Visit};
 use crate::lines::{Line, lines};
-use crate::program::{Definition, Definitions};
 use crate::tokens::{Lexis, tokens_from};
 use crate::{ControllerError, Dialect, Program};
 use motions::{Motions, Place, Registered};

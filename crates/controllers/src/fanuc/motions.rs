@@ -5,7 +5,7 @@ use super::statements::{called, jumps, shown, statements};
 use super::subprograms::Subprograms;
 use crate::lines::Line;
 use crate::note::Note;
-use crate::program::Reference;
+use crate::reference::Reference;
 use std::collections::{BTreeMap, BTreeSet};
 
 #[derive(Debug)]

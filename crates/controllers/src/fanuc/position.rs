@@ -2,7 +2,8 @@
 
 use crate::error::syntax;
 use crate::number::{Form, Slot, number_at};
-use crate::program::{Branch, Point, Reference, Value};
+use crate::program::{Branch, Point, Value};
+use crate::reference::Reference;
 use crate::tokens::{Cursor, Kind, Token};
 use crate::{ControllerError, Dialect};
 use std::collections::BTreeSet;

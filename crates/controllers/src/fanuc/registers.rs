@@ -17,9 +17,11 @@
 use super::motions::Registered;
 use super::position::branch;
 use crate::Dialect;
+use crate::definitions::Definitions;
 use crate::lines::{Line, lines};
 use crate::number::{Form, Slot, number_at};
-use crate::program::{Carried, Definitions, Point, Reference, Value};
+use crate::program::{Point, Value};
+use crate::reference::{Carried, Reference};
 use std::collections::BTreeMap;
 use std::ops::Range;
 

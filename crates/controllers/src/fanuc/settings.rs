@@ -1,6 +1,6 @@
 //! Statements that select user frame, tool and payload: `UFRAME_NUM=2`, `UTOOL_NUM[GP1]=3`, `PAYLOAD[2]`.
 
-use crate::program::Reference;
+use crate::reference::Reference;
 
 /// What is selected, in the order of [`Selected`].
 pub(super) const WHAT: [&str; 3] = ["UFRAME_NUM", "UTOOL_NUM", "PAYLOAD"];

@@ -3,7 +3,7 @@
 use super::settings::{Selected, Setting, WHAT, setting};
 use super::statements::{called, jumps, statements};
 use crate::lines::lines;
-use crate::program::Reference;
+use crate::reference::Reference;
 use std::collections::BTreeMap;
 
 /// Further programs by their names.

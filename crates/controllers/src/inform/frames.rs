@@ -9,9 +9,9 @@
 //! ```
 
 use crate::Dialect;
+use crate::definitions::{Definition, Definitions};
 use crate::lines::lines;
 use crate::number::number_at;
-use crate::program::{Definition, Definitions};
 use truepose_kinematics::nalgebra::Vector3;
 
 /// Whether a text is one of these.

@@ -7,16 +7,20 @@
 //! //INST      (MOVJ|MOVL|MOVC|MOVS) C00001 …     another motion is refused
 //! ```
 //!
-//! The values of user frames and tools are in files of their own (see `frames`): `USER 1`, `TOOL 0` name them.
+//! The values of user frames and tools are in files of their own (see `frames`): `USER 1`, `TOOL 0` name them. So are pulses per degree
+//! (see `parameters`).
 
 mod frames;
+mod parameters;
 mod stations;
 
+use crate::definitions::{Definition, Definitions, PULSES};
 use crate::event::{Event, Visit};
 use crate::lines::{Line, lines};
 use crate::note::Note;
 use crate::number::{Form, Slot, number_at};
-use crate::program::{Branch, Definition, Definitions, Point, Reference, Value};
+use crate::program::{Branch, Point, Value};
+use crate::reference::Reference;
 use crate::{ControllerError, Dialect, Program};
 use stations::Stations;
 use std::collections::HashMap;
@@ -27,14 +31,20 @@ pub(crate) fn read(text: &[u8], others: &[&[u8]]) -> Result<Program, ControllerE
     for text in others.iter().copied().chain([text]).filter(|text| frames::is(text)) {
         frames::read(text, &mut definitions);
     }
-    if !definitions.0.is_empty() && frames::is(text) {
+    let robot = parameters::robot(text);
+    for text in others.iter().copied().chain([text]).filter(|text| parameters::is(text)) {
+        if let Some(pulses) = parameters::pulses_per_degree(text, robot) {
+            definitions.put(PULSES.into(), Definition::PulsesPerDegree(pulses));
+        }
+    }
+    if !definitions.0.is_empty() && (frames::is(text) || parameters::is(text)) {
         return Ok(Program::of_frames(Dialect::Inform, text, definitions));
     }
     if !lines.iter().any(|line| line.after("/JOB").is_some_and(<[u8]>::is_empty)) {
-        let words = match lines.iter().any(|line| is_parameters(line.trimmed())) {
+        let words = match parameters::is(text) {
             true => {
-                "it has parameters of the controller (ALL.PRM, RC.PRM), which are not read: frames and tools are in UFRAME.CND and TOOL.CND, \
-                 pulses per degree are stated with --pulses"
+                "it has parameters of the controller (ALL.PRM, RC.PRM), of another layout than those that are read: state the pulses per degree \
+                 with --pulses; frames and tools are in UFRAME.CND and TOOL.CND"
             }
             false => {
                 "it has no line /JOB: it is no job of INFORM, and it has no frames or tools (UFRAME.CND, TOOL.CND)"
@@ -96,12 +106,6 @@ fn changed(line: &Line<'_>) -> Option<(String, usize)> {
         .find_map(|(kind, list, verb)| Some((kind, list, text.strip_prefix(verb)?)))?;
     let number: u32 = rest.split_once(list)?.1.split(')').next()?.trim().parse().ok()?;
     Some((format!("{kind} {number}"), line.number))
-}
-
-/// `///RC1G`, `///S1C1G`: the head of a group of parameters.
-fn is_parameters(line: &[u8]) -> bool {
-    let name = line.strip_prefix(b"///").unwrap_or_default();
-    name.len() > 3 && name.ends_with(b"G") && (name.starts_with(b"RC") || name.starts_with(b"S1C"))
 }
 
 /// What the lines before state about the positions that follow.

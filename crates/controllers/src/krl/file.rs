@@ -3,8 +3,9 @@
 use super::aggregate::Aggregate;
 use super::candidate::{Candidate, candidate, pose};
 use crate::ControllerError;
+use crate::definitions::Definition;
 use crate::flow::{Active, FRAME, Flow, Head, LOAD, Outer, Step, TOOL, unknown};
-use crate::program::{Definition, Reference};
+use crate::reference::Reference;
 use crate::tokens::{Cursor, Kind, Lexis, tokens};
 
 const LEXIS: Lexis = Lexis { comment: b';', quotes: b"\"'", header: Some(b'&'), escapes: false };

@@ -18,7 +18,7 @@ mod motion;
 mod points;
 mod settings;
 
-use crate::program::{Definition, Definitions};
+use crate::definitions::{Definition, Definitions};
 use crate::{ControllerError, Program};
 use file::File;
 use truepose_kinematics::Pose;

@@ -3,10 +3,12 @@
 use super::candidate::{Candidate, Literal};
 use super::file::{File, Motion, bare};
 use crate::Dialect;
+use crate::definitions::Definitions;
 use crate::event::Visit;
 use crate::flow::{Active, LOAD, of_all};
 use crate::note::Note;
-use crate::program::{Branch, Carried, Definitions, Point, Program, Reference, Value};
+use crate::program::{Branch, Point, Program, Value};
+use crate::reference::{Carried, Reference};
 use std::collections::HashMap;
 
 pub(super) fn program(text: &[u8], files: &[File], definitions: Definitions) -> Program {

@@ -13,7 +13,7 @@
 //!
 //! A base that a track moves (`-base_frame_coordinated`) is left to `--external`. Other topics have no frames, tools or loads.
 
-use crate::program::{Definition, Definitions};
+use crate::definitions::{Definition, Definitions};
 use crate::{ControllerError, Dialect};
 use truepose_kinematics::Pose;
 

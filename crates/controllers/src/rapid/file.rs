@@ -3,8 +3,9 @@
 use super::instructions::{KEYWORDS, signature};
 use super::load::{Grip, Held, load};
 use super::node::Node;
+use crate::definitions::Definition;
 use crate::flow::{Head, Step};
-use crate::program::{Definition, Reference};
+use crate::reference::Reference;
 use crate::tokens::{Cursor, Kind, Lexis, Token, tokens};
 use crate::{ControllerError, Dialect};
 use truepose_kinematics::Pose;

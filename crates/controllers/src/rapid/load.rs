@@ -2,8 +2,9 @@
 
 use super::cfg::{MODAL, WRIST};
 use super::node::Node;
+use crate::definitions::{Definition, Definitions};
 use crate::flow::{Active, Flow, LOAD};
-use crate::program::{Carried, Definition, Definitions, Reference};
+use crate::reference::{Carried, Reference};
 use truepose_kinematics::Pose;
 use truepose_kinematics::nalgebra::Vector3;
 

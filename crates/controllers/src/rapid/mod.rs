@@ -19,7 +19,7 @@ mod motion;
 mod node;
 mod points;
 
-use crate::program::{Definition, Definitions};
+use crate::definitions::{Definition, Definitions};
 use crate::{ControllerError, Dialect, Program};
 use file::File;
 use truepose_kinematics::Pose;

@@ -5,8 +5,9 @@ use super::instructions::{Argument, Signature};
 use super::load::Held;
 use super::node::Node;
 use crate::ControllerError;
+use crate::definitions::Definition;
 use crate::flow::{Head, Step};
-use crate::program::{Definition, Reference};
+use crate::reference::Reference;
 use crate::tokens::{Cursor, Kind, Token};
 
 /// An argument without a name.

@@ -3,11 +3,13 @@
 use super::file::{Candidate, Destination, File, Motion, bare};
 use super::node::Node;
 use crate::Dialect;
+use crate::definitions::Definitions;
 use crate::event::Visit;
 use crate::flow::{Active, of_all, unknown};
 use crate::note::Note;
 use crate::number::{Form, Slot};
-use crate::program::{Branch, Carried, Definitions, Point, Program, Reference, Value};
+use crate::program::{Branch, Point, Program, Value};
+use crate::reference::{Carried, Reference};
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 

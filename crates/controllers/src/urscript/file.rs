@@ -2,8 +2,9 @@
 
 use super::expression::{Expression, arguments, unnamed};
 use crate::ControllerError;
+use crate::definitions::Definition;
 use crate::flow::{Active, FRAME, Flow, Head, LOAD, Outer, Step, TOOL};
-use crate::program::{Definition, Reference};
+use crate::reference::Reference;
 use crate::tokens::{Cursor, Kind, Lexis, Token, tokens};
 
 const LEXIS: Lexis = Lexis { comment: b'#', quotes: b"\"'", header: None, escapes: true };

@@ -3,11 +3,13 @@
 use super::expression::{Expression, Six};
 use super::file::{File, Motion};
 use crate::Dialect;
+use crate::definitions::{Definition, Definitions};
 use crate::event::{Event, Visit};
 use crate::flow::{Active, FRAME, LOAD, of_all, unknown};
 use crate::note::Note;
 use crate::number::{Form, Slot};
-use crate::program::{Branch, Definition, Definitions, Point, Program, Reference, Value};
+use crate::program::{Branch, Point, Program, Value};
+use crate::reference::Reference;
 use std::collections::HashMap;
 use truepose_kinematics::Pose;
 

@@ -1,6 +1,6 @@
 //! What is a point in each language and what is none, on small programs.
 
-use truepose_controllers::{Branch, Dialect, Program, Reference, Replacement, Value};
+use truepose_controllers::{Branch, Dialect, Program, Reference, Replacement, Role, Value};
 
 fn read(dialect: Dialect, text: &str, others: &[&str]) -> Program {
     let others: Vec<&[u8]> = others.iter().map(|other| other.as_bytes()).collect();
@@ -269,4 +269,38 @@ fn other_files_are_refused() {
         wrong(Dialect::Krl, b"A=1\nDECL E6POS X={X 1,\nY 2}\n"),
         "2:14: an aggregate is not closed in its line"
     );
+}
+
+/// A group of the parameters of a robot: lines of ten values, gears in the lines of that generation.
+fn parameters(lines: usize, [(at, denominators), (next, numerators)]: [(usize, &str); 2]) -> String {
+    let line = |k: usize| match k {
+        k if k == at => denominators.to_owned(),
+        k if k == next => numerators.to_owned(),
+        _ => "0,1,2,3,4,5,6,7,8,9".to_owned(),
+    };
+    let group: Vec<String> = (0..lines).map(line).collect();
+    format!("//PARA\r\n///RC1G\r\n{}\r\n///RC2G\r\n1,2\r\n", group.join("\r\n"))
+}
+
+#[test]
+fn pulses_of_a_controllers_parameters_are_proposed_and_held_against_those_stated() {
+    // 4096 · 141/(360 · 1) = 1604.27, …
+    let numerators = "141,-120,110,90,80,60,1,1,0,0";
+    let older = parameters(120, [(97, "7,7,1,1,1,1,1,1,1,1"), (98, numerators)]);
+    let newer = parameters(300, [(109, "1,1,1,1,1,1,1,1"), (110, numerators)]);
+    for table in [&older, &newer] {
+        let program = read(Dialect::Inform, JBI, &[table]);
+        let words = format!("{:?}", program.definitions());
+        assert!(words.contains("1604.26"), "{words}");
+        assert!(words.contains("1365.33"), "a sign is not stated: {words}");
+        let alone = Program::read(table.as_bytes(), &[], Dialect::Inform).unwrap();
+        assert!(alone.points().is_empty());
+        assert_eq!(Dialect::Inform.role("RC.PRM".as_ref(), table.as_bytes()), Role::Table);
+    }
+    let other = newer.replace("141", "0");
+    let error = Program::read(other.as_bytes(), &[], Dialect::Inform).unwrap_err().to_string();
+    assert!(error.contains("of another layout") && error.contains("--pulses"), "{error}");
+    // The second robot has a group of its own, which has no gears here.
+    let second = JBI.replace("NOP", "///GROUP1 RB2\r\nNOP");
+    assert!(!format!("{:?}", read(Dialect::Inform, &second, &[&newer]).definitions()).contains("1604"));
 }
