@@ -173,3 +173,110 @@ def test_the_program_in_the_wheel(example: Path, tmp_path: Path) -> None:
     assert program("identify", *files(example), "--report", out).returncode == 0
     assert '"identify"' in (out / "run.json").read_text()
     assert program("verify", out / "run.json").returncode == 0
+
+
+RIDER = """name = "rider"
+[units]
+length = "mm"
+angle = "deg"
+[[joints]]
+name = "rail"
+type = "prismatic"
+limits = [-500, 4000]
+origin = { xyz = [0, 0, 0], axis = [0, 1, 0] }
+[[joints]]
+name = "j1"
+limits = [-170, 170]
+origin = { xyz = [0, 0, 520], rpy = [0, 0, 0], axis = [0, 0, 1] }
+[[joints]]
+name = "j2"
+limits = [-80, 130]
+origin = { xyz = [160, 0, 0], rpy = [0, 0, 0], axis = [0, 1, 0] }
+[[joints]]
+name = "j3"
+limits = [-170, 75]
+origin = { xyz = [0, 0, 870], rpy = [0, 0, 0], axis = [0, 1, 0] }
+[[joints]]
+name = "j4"
+limits = [-300, 300]
+origin = { xyz = [0, 0, 180], rpy = [0, 0, 0], axis = [1, 0, 0] }
+[[joints]]
+name = "j5"
+limits = [-120, 120]
+origin = { xyz = [940, 0, 0], rpy = [0, 0, 0], axis = [0, 1, 0] }
+[[joints]]
+name = "j6"
+limits = [-350, 350]
+origin = { xyz = [130, 0, 0], rpy = [0, 90, 0], axis = [0, 0, 1] }
+[base]
+known = false
+[tool]
+known = false
+"""
+
+
+@pytest.fixture(scope="module")
+def rider(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with the fit of an arm on a track."""
+    folder = tmp_path_factory.mktemp("rider")
+    (folder / "robot.toml").write_text(RIDER)
+    (folder / "plant.toml").write_text(
+        'robot = "robot.toml"\nseed = 9\n[errors.geometric]\nposition_mm = 0.4\nangle_mrad = 0.4\n[instrument]\nsd_um = 15\n'
+        '[repeatability]\nsd_um = 20\n[campaign]\npostures = "random"\nvisits = 60\n'
+    )
+    assert program("simulate", "--plant", folder / "plant.toml", "--out", folder / "data.csv").returncode == 0
+    ran = program("identify", "--robot", folder / "robot.toml", "--data", folder / "data.csv", "--out", folder / "fit.json")
+    assert ran.returncode == 0, ran.stderr
+    return folder
+
+
+def test_held_joints(rider: Path, tmp_path: Path) -> None:
+    poses = pd.DataFrame(
+        {"x[mm]": [1000.0], "y[mm]": [1350.0], "z[mm]": [900.0], "qw": [0.0], "qx": [0.0], "qy": [1.0], "qz": [0.0], "rail[mm]": [1300.0]}
+        | {f"j{k}[deg]": [float(value)] for k, value in zip(range(1, 7), (0, 20, 10, 0, 60, 0))}
+    )
+    poses.to_csv(tmp_path / "poses.csv", index=False)
+    out = tmp_path / "q.csv"
+    ran = program("compensate", "--fit", rider / "fit.json", "--poses", tmp_path / "poses.csv", "--hold", "rail", "--out", out)
+    assert ran.returncode == 0, ran.stderr
+    fit = tp.load(rider / "fit.json")
+    held = fit.compensate(poses, hold=["rail"]).table
+    written = pd.read_csv(out)
+    # The poses have mm and degrees, and so has the program's file; the package has SI units.
+    rail, turn = written["rail[mm]"].to_numpy(dtype=float), written["j2[deg]"].to_numpy(dtype=float)
+    np.testing.assert_allclose(held["rail[m]"], 1e-3 * rail, rtol=1e-15)
+    np.testing.assert_allclose(held["j2[rad]"], np.radians(turn), rtol=1e-14)
+    np.testing.assert_allclose(held["rail[m]"], [1.3], rtol=1e-15)
+    assert abs(fit.compensate(poses).table["rail[m]"][0] - 1.3) > 1e-6
+    with pytest.raises(tp.InputError, match="no joint `cart`"):
+        fit.compensate(poses, hold=["cart"])
+
+
+def test_programs_with_external_axes_and_offsets(rider: Path, tmp_path: Path) -> None:
+    place = "[[{:.3f},{:.3f},850.000],[0,0,1,0],[0,0,0,0],[1300,9E9,9E9,9E9,9E9,9E9]]"
+    job, new = tmp_path / "job.mod", tmp_path / "new.mod"
+    moves = "".join(f"MoveL {place.format(x, y)},v100,fine,grip\\WObj:=table;\n" for x, y in ((850, 1350), (850, 1200), (900, 1250)))
+    job.write_text(
+        'MODULE M\nPERS tooldata grip:=[TRUE,[[0,0,140],[1,0,0,0]],[1,[0,0,80],[1,0,0,0],0,0,0]];\n'
+        'PERS wobjdata table:=[FALSE,TRUE,"",[[200,0,0],[1,0,0,0]],[[0,0,0],[1,0,0,0]]];\nPROC main()\nConfL\\Off;\n'
+        f"MoveAbsJ [[0,5,5,0,40,0],[1300,9E9,9E9,9E9,9E9,9E9]],v100,fine,grip;\n{moves}ENDPROC\nENDMODULE\n"
+    )
+    fit = tp.load(rider / "fit.json")
+    ran = program("compensate", "--fit", rider / "fit.json", "--program", job, "--external", "eax_a=rail", "--out", new)
+    assert ran.returncode == 0, ran.stderr
+    made = tp.rewrite(fit, job, external={"eax_a": "rail"})
+    assert made.program == new.read_bytes() and made.program.count(b",[1300,9E9,") == 4
+    assert len(made.summary["changed"]) == 4 and made.summary["changed"][0]["line"] == 6
+    table = tmp_path / "offsets.csv"
+    ran = program("compensate", "--fit", rider / "fit.json", "--program", job, "--external", "eax_a=rail", "--offsets", "--out", table)
+    assert ran.returncode == 0, ran.stderr
+    [offset] = tp.rewrite(fit, job, external={"eax_a": "rail"}, offsets=True).offsets
+    [written] = pd.read_csv(table).to_dict("records")
+    assert (offset["name"].lower(), offset["points"]) == (written["name"].lower(), written["points"])
+    np.testing.assert_allclose(offset["rms_after_mm"], 1e3 * written["rms_after[m]"], rtol=1e-9)
+    # Work on a positioner that the fit has not is refused in the same words.
+    ran = program("compensate", "--fit", rider / "fit.json", "--program", job, "--external", "eax_a=rail", "--work", "table=turntable", "--out", new)
+    assert ran.returncode == 2
+    with pytest.raises(tp.InputError) as raised:
+        tp.rewrite(fit, job, external={"eax_a": "rail"}, work={"table": "turntable"})
+    assert "turntable" in str(raised.value) and str(raised.value).splitlines()[0].split(": ")[-1] in ran.stderr

@@ -53,9 +53,10 @@ pub use largest::LargestError;
 pub use layout::{Alignment, table};
 pub use observers::{AllowedKind, AllowedSummary, SuspectSummary};
 pub use page::{
-    CommandView, CommandsView, CorrectionView, MapView, OffsetView, PlaceView, PlanView, PlannedView,
-    PredictionView, ProgramView, Report, acceptance_report, commands_report, comparison_report,
-    discovery_report, identification_report, map_report, plan_report, prediction_report, program_report,
+    ChangedLine, CommandView, CommandsView, CorrectionView, MapView, OffsetView, PlaceView, PlanView,
+    PlannedView, PredictionView, ProgramView, Report, acceptance_report, changed_lines, commands_report,
+    comparison_report, discovery_report, identification_report, map_report, plan_report, prediction_report,
+    program_report,
 };
 pub use parameters::{OffsetApart, ParameterSummary, ParametersSummary};
 pub use partial::PartialRows;

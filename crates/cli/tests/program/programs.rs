@@ -37,9 +37,20 @@ fn points_are_replaced_or_the_program_is_refused() {
     let table = folder.read("new.dat.corrections.csv");
     assert_eq!(table.lines().count(), 4);
     assert!(table.lines().nth(1).unwrap().starts_with("XP1,2,joints,,,corrected,,"), "{table}");
-    assert!(folder.read("page/index.html").contains("XHOME"));
+    let page = folder.read("page/index.html");
+    assert!(
+        page.contains("XHOME")
+            && page.contains("Changed lines")
+            && page.contains("2 changed lines: − as it was read"),
+        "{page}"
+    );
+    assert!(
+        page.contains("<del>− DECL E6AXIS XP1={A1 50.668,")
+            && page.contains("<ins>+ DECL E6AXIS XP1={A1 50.")
+    );
     let json: serde_json::Value = serde_json::from_str(&folder.read("page/compensation.json")).unwrap();
     assert_eq!(json["points"][0]["outcome"], "corrected");
+    assert_eq!(json["changed"][1]["line"], 3);
     let size = json["points"][0]["correction_mm"].as_f64().unwrap();
     assert!((0.05..5.0).contains(&size), "{size}");
 
@@ -307,4 +318,34 @@ fn corrections_as_offsets_of_a_frame() {
     );
     assert!(folder.read("page/index.html").contains("No program was written."));
     assert!(!folder.file("all.csv").is_dir() && !folder.file("new").exists());
+}
+
+#[test]
+fn pulses_of_a_job_are_held_against_the_controllers_parameters() {
+    let folder = fitted();
+    folder.write(
+        "job.jbi",
+        "/JOB\n//NAME JOB\n//POS\n///NPOS 1,0,0,0,0,0\n///TOOL 0\n///POSTYPE PULSE\n///PULSE\nC00000=81300,-106651,81014,-25176,-53698,72074\n\
+         //INST\n///DATE 2020/01/01 10:00\nNOP\nMOVJ C00000 VJ=0.78\nEND\n",
+    );
+    // 4096 · n/(360 · d): 1604.267 of the first axis, 1000 of the others.
+    let line = |k: usize| match k {
+        109 => "1,512,512,512,512,512,1,1\n",
+        110 => "141,45000,45000,45000,45000,45000,1,1\n",
+        _ => "0,0,0,0,0,0,0,0\n",
+    };
+    folder.write("RC.PRM", &format!("//RC\n///RC1G\n{}", (0..220).map(line).collect::<String>()));
+    let run = |more: &str, status| {
+        let words = format!("compensate --fit fit.json --program job.jbi --with RC.PRM --out new.jbi{more}");
+        folder.run(&words.split(' ').collect::<Vec<_>>()).ended(status)
+    };
+    let log = run("", 2).log;
+    assert!(
+        log.contains("by the controller's parameters 1604.267,1000.000,") && log.contains("--pulses"),
+        "{log}"
+    );
+    let log = run(" --pulses 1604.267,1000,-1000,1000,1000,900", 2).log;
+    assert!(log.contains("axis 6 has 900.000 pulses per degree as stated, 1000.000 by"), "{log}");
+    let run = run(" --pulses 1604.267,1000,1000,1000,1000,1000", 0);
+    assert!(run.out.contains("1 point: 1 corrected"), "{} {}", run.out, run.log);
 }

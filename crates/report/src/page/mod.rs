@@ -1,6 +1,7 @@
 //! The report: one self-contained page, and its figures as files.
 
 mod acceptance;
+mod changed;
 mod commands;
 mod comparison;
 mod discovery;
@@ -19,6 +20,7 @@ mod space;
 mod specification;
 
 pub use acceptance::acceptance_report;
+pub use changed::{ChangedLine, changed_lines};
 pub use commands::{CommandView, CommandsView, commands_report};
 pub use comparison::comparison_report;
 pub use discovery::discovery_report;

@@ -1,5 +1,6 @@
 //! The page of a compensated robot program: what became of every point.
 
+use super::changed::{ChangedLine, changed};
 use super::commands::over_two_axes;
 use super::robot::{Stick, Words};
 use super::{Page, Report};
@@ -36,6 +37,9 @@ pub struct ProgramView {
     pub notes: Vec<String>,
     /// One for each point, in the order of the file.
     pub points: Vec<CorrectionView>,
+    /// Lines that are not as they were.
+    #[serde(default)]
+    pub changed: Vec<ChangedLine>,
 }
 
 /// A frame or a tool with another value.
@@ -146,6 +150,7 @@ pub fn program_report(view: &ProgramView, run: &RunRecord) -> Report {
     frames(&mut page, view);
     refused(&mut page, view);
     listed(&mut page, view);
+    changed(&mut page, view);
     if !view.notes.is_empty() {
         page.section("Notes");
         page.list(&view.notes);

@@ -91,11 +91,11 @@ impl FolderRewritten {
         let mut all = ProgramView { program: self.from.display().to_string(), ..ProgramView::default() };
         for program in &self.programs {
             let mut view = program.view.clone();
-            for point in &mut view.points {
-                let named =
-                    |part: &&RewrittenFile| part.file.file_name().is_some_and(|name| *name == *point.file);
+            let own = view.points.iter_mut().map(|point| &mut point.file);
+            for file in own.chain(view.changed.iter_mut().map(|line| &mut line.file)) {
+                let named = |part: &&RewrittenFile| part.file.file_name().is_some_and(|name| *name == **file);
                 if let Some(part) = program.files.iter().find(named) {
-                    point.file = self.short(&part.file).display().to_string();
+                    *file = self.short(&part.file).display().to_string();
                 }
             }
             let frames = view.open_frames.into_iter().filter(|name| !all.open_frames.contains(name));
@@ -103,6 +103,7 @@ impl FolderRewritten {
             let name = self.name(program);
             all.notes.extend(view.notes.into_iter().map(|note| format!("{name}: {note}")));
             all.points.append(&mut view.points);
+            all.changed.append(&mut view.changed);
             all = ProgramView {
                 robot: view.robot,
                 language: view.language,

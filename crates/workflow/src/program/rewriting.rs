@@ -10,7 +10,7 @@ use truepose_controllers::{
 };
 use truepose_errormodel::FittedModel;
 use truepose_io::{CorrectionRow, OffsetRow, read_bytes};
-use truepose_report::{ProgramView, count};
+use truepose_report::{ProgramView, changed_lines, count};
 
 /// One file of a program with compensated points.
 #[derive(Debug)]
@@ -97,7 +97,7 @@ pub(super) fn rewritten(
     if !own.dry_run && left_unchanged(&parts, &own.leave) {
         return Err(rejected(&parts, &refused, &unused));
     }
-    let mut files = Vec::new();
+    let (mut files, mut changed) = (Vec::new(), Vec::new());
     for (k, part) in parts.iter().enumerate() {
         if k > 0 && !part.own.contains(&true) {
             continue;
@@ -109,10 +109,13 @@ pub(super) fn rewritten(
             let new: Vec<_> = new.map(|(new, own)| new.replacement.clone().filter(|_| *own)).collect();
             part.program.rewritten(&new).map_err(|error| about(part.file, error))?
         };
+        changed.extend(changed_lines(&short(part.file), &texts[k], &text));
         files.push(RewrittenFile { file: part.file.into(), text, rows: rows(part) });
     }
     let mut stated = statements::statements(fitted, &parts, &options);
     let mut view = view(fitted, &parts, own.dry_run, taught::open(&parts, &options));
+    // With offsets no program is written.
+    view.changed = if own.offsets { Vec::new() } else { changed };
     view.notes.extend(stated.iter().cloned());
     stated.extend(kept(&paths[parts.len()..], &programs[parts.len()..]));
     stated.extend(notes(&parts, &own.leave));

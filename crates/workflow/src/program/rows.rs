@@ -129,10 +129,10 @@ pub(super) fn view(
         offsets: Vec::new(),
         notes: notes.collect(),
         points: points.map(one).collect(),
+        changed: Vec::new(),
     }
 }
 
-/// The name of a file without its folder.
 /// The name of a file, without its folder.
 pub fn short(file: &Path) -> String {
     file.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default()
