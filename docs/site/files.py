@@ -9,8 +9,8 @@ from typing import Any
 from mkdocs.structure.files import File, Files
 
 ROOT = Path(__file__).resolve().parents[2]
-PAGES = ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "CHANGELOG.md", "docs/*.md", "crates/*/README.md", "examples/*/README.md",
-         "lab/README.md", "lab/*/README.md", "lab/results/*.md", "tests/*/README.md"]  # fmt: skip
+PAGES = ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "CHANGELOG.md", "docs/*.md", "docs/howto/*.md", "crates/*/README.md",
+         "examples/*/README.md", "lab/README.md", "lab/*/README.md", "lab/results/*.md", "tests/*/README.md"]  # fmt: skip
 LINK = re.compile(r"(!?\[[^\]\n]*\])\(([^)#\s]+)(#[^)\s]*)?\)")
 
 

@@ -9,8 +9,8 @@
 //!
 //! The isocentre is where the treatment point is at home. Its corners follow from the slides alone, since they carry
 //! the turn: with p the corner in the tool frame at home and a the point of the turn's axis,
-//! `d = isocentre − a − R_y(θ)(p − a)`. Source: the paper, "Experimental results"; the counts by axis are the
-//! reconstruction of method.md.
+//! `d = isocentre − a − R_y(θ)(p − a)`. Source: the paper, "Experimental results"; the counts by axis are a
+//! reconstruction from its totals.
 
 use super::Campaign;
 use crate::SimulateError;
