@@ -27,6 +27,8 @@ const NEAR: f64 = 1e-5;
 const WEIGHED: f64 = 1e-2;
 /// Of the length of the arm, so far no round after the first moves it.
 const FAR: f64 = 0.1;
+/// Where the last round still moves the robot by more than this, m, its straight lines are not those of the robot that it found.
+const UNSETTLED: f64 = 1e-4;
 
 /// What does not change from one round to the next.
 pub(super) struct Rounds<'a> {
@@ -54,6 +56,15 @@ pub(super) struct State {
     pub effects: Vec<Box<dyn AnyEffect>>,
 }
 
+/// How rounds end.
+enum End {
+    Rests,
+    /// The last one moves the robot by so much at a row, m.
+    Moves(f64),
+    /// A round moved the arm by a tenth of its length.
+    Far,
+}
+
 impl Rounds<'_> {
     /// The state in which all rest, and a remark where the arm had to be held.
     pub fn settled(
@@ -63,25 +74,39 @@ impl Rounds<'_> {
         options: &FitOptions,
     ) -> Result<(State, Option<String>), IdentifyError> {
         let mut free = start.clone();
-        match self.run(&mut free, solver, options) {
-            Ok(true) => return Ok((free, None)),
+        let words = match self.run(&mut free, solver, options) {
+            Ok(End::Rests) => return Ok((free, None)),
             Err(error) if start.sensors.is_empty() => return Err(error),
-            Ok(false) | Err(_) => {}
-        }
+            Ok(End::Moves(_)) => {
+                "the rounds in which landmarks and sensors are found do not end with the arm's errors free; these are held to their expected sizes"
+            }
+            Ok(End::Far) | Err(_) => {
+                "these rows would have the arm wrong by more than a tenth of its length; its errors are held to their expected sizes"
+            }
+        };
         let mut held = start;
         let options = FitOptions { prior: HELD, ..options.clone() };
-        self.run(&mut held, solver, &options)?;
-        let words = "these rows would have the arm wrong by more than a tenth of its length; its errors are held to their expected sizes while landmarks and sensors are found: something that observed it may have moved, or differ from its description";
-        Ok((held, Some(words.into())))
+        let end = self.run(&mut held, solver, &options)?;
+        let mut words = format!(
+            "{words} while landmarks and sensors are found: something that observed it may have moved, or differ from its description"
+        );
+        if let End::Moves(by) = end {
+            words += &format!(
+                ". Even so the last round moves the robot by {:.1} mm at a row: residuals and intervals are not those of the robot that is found",
+                1e3 * by
+            );
+        }
+        Ok((held, Some(words)))
     }
 
-    /// Whether no round went far.
+    /// Rounds until all rest, or as many as there are.
     fn run(
         &self,
         state: &mut State,
         solver: &dyn Solver,
         options: &FitOptions,
-    ) -> Result<bool, IdentifyError> {
+    ) -> Result<End, IdentifyError> {
+        let mut last = 0.0;
         for round in 0..ROUNDS {
             let State { data, sensors, structure, at, poses, chain, effects } = &mut *state;
             let points = structure.placed(at);
@@ -114,18 +139,19 @@ impl Rounds<'_> {
                     (0..data.len()).filter(|&row| data.ray(row).is_some()).map(away).fold(0.0, f64::max);
                 *poses = next;
                 if round > 0 && far > FAR * self.length && !sensors.is_empty() {
-                    return Ok(false);
+                    return Ok(End::Far);
                 }
+                last = far;
                 rests = moved.iter().all(|by| by.norm() < NEAR)
                     && turned < NEAR
                     && far < NEAR
                     && weighed < WEIGHED;
             }
             if rests {
-                break;
+                return Ok(End::Rests);
             }
         }
-        Ok(true)
+        Ok(if last > UNSETTLED { End::Moves(last) } else { End::Rests })
     }
 }
 

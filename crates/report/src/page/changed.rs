@@ -1,7 +1,6 @@
 //! The lines of a robot program that are not as they were.
 
 use super::Page;
-use super::program::ProgramView;
 use crate::count;
 use crate::figure::escape;
 use serde::{Deserialize, Serialize};
@@ -38,8 +37,7 @@ pub fn changed_lines(file: &str, before: &[u8], after: &[u8]) -> Vec<ChangedLine
 }
 
 /// The changed lines, by file: as it was (−) and as it is (+).
-pub(super) fn changed(page: &mut Page, view: &ProgramView) {
-    let lines = &view.changed;
+pub(super) fn changed(page: &mut Page, lines: &[ChangedLine]) {
     if lines.is_empty() {
         return;
     }

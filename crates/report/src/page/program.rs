@@ -150,7 +150,7 @@ pub fn program_report(view: &ProgramView, run: &RunRecord) -> Report {
     frames(&mut page, view);
     refused(&mut page, view);
     listed(&mut page, view);
-    changed(&mut page, view);
+    changed(&mut page, &view.changed);
     if !view.notes.is_empty() {
         page.section("Notes");
         page.list(&view.notes);
