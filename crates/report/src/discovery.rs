@@ -20,8 +20,8 @@ pub use adequacy::{
 };
 pub use candidates::{RefusedSummary, UntestableSummary};
 pub use dependence::DependenceSummary;
-pub use effects::{AlternativeSummary, BeforeAfter, FindingSummary};
-pub use gain::{ExtrapolationSummary, GainSummary, PartName};
+pub use effects::{AlternativeSummary, FindingSummary};
+pub use gain::{ExtrapolationSummary, GainSummary};
 pub use joints::JointRepeatabilitySummary;
 pub use nested::NestedSummary;
 pub use parts::TrainAndHoldout;

@@ -1,6 +1,7 @@
 //! Kinds of observation: what each leaves in its own unit, and how much of the fit it determines.
 
-use crate::layout::{Alignment, table};
+use crate::document::Document;
+use crate::layout::Alignment;
 use crate::observers::{SuspectSummary, sentences};
 use crate::significant;
 use serde::{Deserialize, Serialize};
@@ -171,12 +172,11 @@ impl KindsSummary {
         format!("Residual by kind of observation (RMS), {rows}: {}.", kinds.join(", "))
     }
 
-    pub(crate) const HEAD: [&str; 8] =
-        ["kind", "rows", "unit", "installation", "fit", "held out", "noise", "share"];
-    pub(crate) const LEGEND: &str = "share: of the unknowns, determined by the rows of the kind (leverage); noise: standard deviation of one number";
+    const HEAD: [&str; 8] = ["kind", "rows", "unit", "installation", "fit", "held out", "noise", "share"];
+    const LEGEND: &str = "share: of the unknowns, determined by the rows of the kind (leverage); noise: standard deviation of one number";
 
     /// A row a kind, under [`Self::HEAD`].
-    pub(crate) fn cells(&self) -> Vec<Vec<String>> {
+    fn cells(&self) -> Vec<Vec<String>> {
         let number = |value: Option<f64>| value.map_or_else(|| "-".into(), |v| significant(v, 3));
         let row = |kind: &KindSummary| {
             vec![
@@ -193,28 +193,28 @@ impl KindsSummary {
         self.kinds.iter().map(row).collect()
     }
 
-    /// Tables of kinds and of what was observed.
-    pub(crate) fn text(&self) -> String {
+    /// What each kind leaves, what was observed as it was found, and what is wrong with it; `remark` stands behind the caption.
+    pub(crate) fn show(&self, remark: &str, document: &mut Document) {
         use Alignment::{Left, Right};
         let columns = [Left, Right, Left, Right, Right, Right, Right, Right];
-        let mut text = table(&Self::HEAD, &columns, &self.cells());
-        text += &format!(" {}\n", Self::LEGEND);
+        let caption = format!("kinds of observation, RMS{remark}");
+        document.table(caption, &Self::HEAD, &columns, self.cells());
+        document.note(Self::LEGEND);
         for sensor in &self.sensors {
             let value = |(name, value, unit): &(String, f64, String)| match unit.as_str() {
                 "1" => format!("{name} {value:.5}"),
                 unit => format!("{name} {value:.3} {unit}"),
             };
             let values: Vec<String> = sensor.values.iter().map(value).collect();
-            text += &format!(" {} {}: {}\n", sensor.kind, sensor.name, values.join(", "));
+            document.note(format!("{} {}: {}", sensor.kind, sensor.name, values.join(", ")));
             let within = |(name, half, unit): &(String, f64, String)| {
                 format!("{name} ± {} {unit}", significant(*half, 2))
             };
             let within: Vec<String> = sensor.within_95.iter().map(within).collect();
             if !within.is_empty() {
-                text += &format!("   95 %: {}\n", within.join(", "));
+                document.note(format!("  95 %: {}", within.join(", ")));
             }
         }
-        text += &sentences(&self.suspects);
-        text
+        document.sentence(&sentences(&self.suspects));
     }
 }

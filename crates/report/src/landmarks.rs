@@ -1,6 +1,7 @@
 //! Spread at landmarks, and distances between them.
 
-use crate::layout::{Alignment, table};
+use crate::document::Document;
+use crate::layout::Alignment;
 use crate::observers::{SuspectSummary, sentences};
 use crate::{PositionStatistics, significant};
 use serde::{Deserialize, Serialize};
@@ -231,11 +232,11 @@ impl LandmarksSummary {
         text
     }
 
-    pub(crate) const CONTACT_HEAD: [&str; 6] =
+    const CONTACT_HEAD: [&str; 6] =
         ["points that meet", "rows", "RMS, mm", "max, mm", "held out: RMS, mm", "max, mm"];
 
     /// A row a pair of points, under [`Self::CONTACT_HEAD`].
-    pub(crate) fn contact_cells(&self) -> Vec<Vec<String>> {
+    fn contact_cells(&self) -> Vec<Vec<String>> {
         let two = |gap: Option<PositionStatistics>| match gap {
             Some(gap) => [gap.rms_mm, gap.max_mm].map(|mm| significant(mm, 3)),
             None => ["-".into(), "-".into()],
@@ -249,11 +250,10 @@ impl LandmarksSummary {
         self.contacts.iter().map(row).collect()
     }
 
-    pub(crate) const HEAD: [&str; 7] =
-        ["landmark", "rows", "x, mm", "y, mm", "z, mm", "spread, mm", "held out, mm"];
+    const HEAD: [&str; 7] = ["landmark", "rows", "x, mm", "y, mm", "z, mm", "spread, mm", "held out, mm"];
 
     /// A row a landmark, under [`Self::HEAD`].
-    pub(crate) fn cells(&self) -> Vec<Vec<String>> {
+    fn cells(&self) -> Vec<Vec<String>> {
         let number = |value: Option<f64>| value.map_or_else(|| "-".into(), |mm| significant(mm, 3));
         let row = |point: &LandmarkSummary| {
             let mut cells = vec![point.name.clone(), point.rows.to_string()];
@@ -265,23 +265,20 @@ impl LandmarksSummary {
         self.points.iter().map(row).collect()
     }
 
-    /// Tables of all landmarks and of points that met, with their titles.
-    pub(crate) fn text(&self) -> String {
+    /// Tables of all landmarks and of points that met.
+    pub(crate) fn show(&self, document: &mut Document) {
         use Alignment::{Left, Right};
-        let mut text = String::new();
         if !self.points.is_empty() {
-            text += "\nlandmarks, RMS of the 3-D distance from their mean\n";
-            text += &table(&Self::HEAD, &[Left, Right, Right, Right, Right, Right, Right], &self.cells());
+            let sides = [Left, Right, Right, Right, Right, Right, Right];
+            let caption = "landmarks, RMS of the 3-D distance from their mean";
+            document.table(caption, &Self::HEAD, &sides, self.cells());
         }
         if !self.contacts.is_empty() {
-            let columns = [Left, Right, Right, Right, Right, Right];
-            text += &format!("\n{}\n", Self::CONTACT_TITLE);
-            text += &table(&Self::CONTACT_HEAD, &columns, &self.contact_cells());
+            let sides = [Left, Right, Right, Right, Right, Right];
+            let caption = "gap between points that meet, or error of their stated distance";
+            document.table(caption, &Self::CONTACT_HEAD, &sides, self.contact_cells());
         }
-        text
     }
-
-    pub(crate) const CONTACT_TITLE: &str = "gap between points that meet, or error of their stated distance";
 }
 
 /// Gaps, pair by pair.

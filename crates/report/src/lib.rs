@@ -5,6 +5,7 @@ mod comparison;
 mod correction;
 mod data_check;
 mod discovery;
+mod document;
 mod explanation;
 mod figure;
 mod identification;
@@ -33,23 +34,16 @@ pub use acceptance::{
     AcceptanceSummary, BudgetSummary, ComplianceSummary, ContributionSummary, FigureSummary, Limit,
     PathSummary, PoseDistanceSummary, StateSummary, TestPoseSummary, VerdictSummary,
 };
-pub use comparison::{ComparisonSummary, StrategyOutcome, StrategySummary};
+pub use comparison::ComparisonSummary;
 pub use correction::Correction;
 pub use data_check::DataCheck;
 pub use discovery::{
-    AlternativeSummary, AsFoundSummary, BeforeAfter, DependenceSummary, DiscoverySettings, DiscoverySummary,
-    ExtrapolationSummary, FindingSummary, GainSummary, JointRepeatabilitySummary, LackOfFitSummary,
-    NestedSummary, NoiseFloorSummary, NoiseReference, PartName, RefusedSummary, StatedScaleSummary,
-    TooFewPoses, TrainAndHoldout, UnexplainedSummary, UntestableSummary, WithdrawnSummary,
+    AlternativeSummary, DiscoverySettings, DiscoverySummary, FindingSummary, NestedSummary, TooFewPoses,
 };
-pub use explanation::{Explanation, explanation};
-pub use identification::{
-    GroupSummary, IdentificationSummary, NoiseSummary, NonlinearParameterSummary, PlacementSummary,
-    StageSummary,
-};
-pub use kinds::{KindSummary, KindsSummary, SensorSummary};
-pub use landmarks::{ContactSummary, KnownDistanceSummary, LandmarkSummary, LandmarksSummary};
-pub use largest::LargestError;
+pub use explanation::explanation;
+pub use identification::{IdentificationSummary, StageSummary};
+pub use kinds::KindsSummary;
+pub use landmarks::LandmarksSummary;
 pub use layout::{Alignment, table};
 pub use observers::{AllowedKind, AllowedSummary, SuspectSummary};
 pub use page::{
@@ -59,22 +53,22 @@ pub use page::{
     program_report,
 };
 pub use parameters::{OffsetApart, ParameterSummary, ParametersSummary};
-pub use partial::PartialRows;
 pub use plan::PlanSummary;
 pub use plan_observed::ObservedPlanSummary;
 pub use poses::largest_error_by_pose;
 pub use run::{FileRecord, RunRecord};
 pub use sessions::{SessionSummary, session_summaries};
-pub use specification::{GuardBandSummary, GuardedVerdict, SpecificationSummary, Verdict};
-pub use specification_cases::{SpecificationCase, SpecificationLines, WorstByPose};
+pub use specification::{SpecificationSummary, Verdict};
+pub use specification_cases::SpecificationLines;
 pub use statistics::{OrientationStatistics, PositionStatistics};
 pub use streamed::StreamedSummary;
 pub use suspicion::suspicion_text;
 pub use upkeep::{
-    AdvisedSummary, ArmFitsSummary, BandSummary, ChangeSummary, DetectableSummary, FleetCoefficient,
-    FleetSummary, InstallationSummary, LookView, MonitorSummary, SisterSummary, TransferSummary,
-    history_page, monitor_report,
+    FleetSummary, LookView, MonitorSummary, SisterSummary, TransferSummary, history_page, monitor_report,
 };
-pub use wording::{
-    advice_text, count, millimetres, parameter_text, significant, value_with_interval, warning_text,
-};
+pub use wording::{count, millimetres, significant, value_with_interval};
+
+pub(crate) use comparison::StrategyOutcome;
+pub(crate) use identification::{GroupSummary, NonlinearParameterSummary};
+pub(crate) use partial::PartialRows;
+pub(crate) use wording::{advice_text, parameter_text, warning_text};

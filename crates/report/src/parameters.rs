@@ -1,7 +1,8 @@
 //! The fitted robot in the numbers of its own description: nominal, change, calibrated, and 95 % interval.
 
-use crate::layout::Alignment::{Left, Right};
-use crate::{significant, table};
+use crate::document::{Block, Document, Only};
+use crate::layout::Alignment::{self, Left, Right};
+use crate::significant;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
@@ -113,10 +114,10 @@ impl ParameterSummary {
         ]
     }
 
-    /// Poses and points, a line each: value ± half width of the 95 % interval.
-    pub(crate) fn as_places(numbers: &[Self]) -> String {
+    /// Heads, alignments and rows of a table of poses and points: value ± half width of the 95 % interval; none of nothing.
+    pub(crate) fn as_places(numbers: &[Self]) -> Option<(Vec<String>, Vec<Alignment>, Vec<Vec<String>>)> {
         let lines: Vec<&[Self]> = numbers.chunk_by(|a, b| a.part == b.part).collect();
-        let Some(longest) = lines.iter().max_by_key(|line| line.len()) else { return String::new() };
+        let longest = lines.iter().max_by_key(|line| line.len())?;
         let heads = longest.iter().map(|number| format!("{}, {}", number.parameter, number.unit));
         let head: Vec<String> = std::iter::once(String::new()).chain(heads).collect();
         let cell = |number: &Self| {
@@ -132,8 +133,8 @@ impl ParameterSummary {
             cells.chain(std::iter::repeat(String::new())).take(head.len()).collect()
         };
         let sides: Vec<_> = std::iter::once(Left).chain(longest.iter().map(|_| Right)).collect();
-        let head: Vec<&str> = head.iter().map(String::as_str).collect();
-        table(&head, &sides, &lines.iter().map(row).collect::<Vec<_>>())
+        let rows = lines.iter().map(row).collect();
+        Some((head, sides, rows))
     }
 
     fn row(&self) -> Vec<String> {
@@ -144,27 +145,21 @@ impl ParameterSummary {
 }
 
 impl ParametersSummary {
-    pub(crate) const HEAD: [&'static str; 8] =
+    const HEAD: [&'static str; 8] =
         ["part", "parameter", "unit", "nominal", "Δ", "calibrated", "± 95 %", "remark"];
-    pub(crate) const OFFSETS: [&'static str; 5] =
-        ["joint", "effective zero offset", "± 95 %", "unit", "remark"];
-    pub(crate) const APART: [&'static str; 7] =
+    const OFFSETS: [&'static str; 5] = ["joint", "effective zero offset", "± 95 %", "unit", "remark"];
+    const APART: [&'static str; 7] =
         ["joint", "effective", "zero itself", "± 95 %", "difference", "± 95 %", "unit"];
-    pub(crate) const OF_OFFSETS: &'static str = "Effective zero offsets of the joints, added to the reading of each; valid together with the parameters above, and not for mastering";
-    pub(crate) const OF_APART: &'static str = "Zero offsets apart: the zero of each joint itself, and what the other effects of the model add to it on average over the poses of the fit";
+    const OF_OFFSETS: &'static str = "Effective zero offsets of the joints, added to the reading of each; valid together with the parameters above, and not for mastering";
+    const OF_APART: &'static str = "Zero offsets apart: the zero of each joint itself, and what the other effects of the model add to it on average over the poses of the fit";
 
     /// Base, tool and targets that were found, by their words.
     pub fn found(&self, words: &[String]) -> Vec<ParameterSummary> {
         self.parameters.iter().filter(|row| words.contains(&row.part)).cloned().collect()
     }
 
-    /// Rows of the table.
-    pub(crate) fn rows(&self) -> Vec<Vec<String>> {
-        self.parameters.iter().map(ParameterSummary::row).collect()
-    }
-
     /// Rows of the list of zero offsets.
-    pub(crate) fn offsets(&self) -> Vec<Vec<String>> {
+    fn offsets(&self) -> Vec<Vec<String>> {
         let row = |offset: &ParameterSummary| {
             let [_, _, value, half] = offset.cells();
             vec![offset.part.clone(), value, half, offset.unit.clone(), offset.remark.clone()]
@@ -172,13 +167,8 @@ impl ParametersSummary {
         self.joint_zero_offsets.iter().map(row).collect()
     }
 
-    /// Rows of the list of zero offsets apart.
-    pub(crate) fn apart(&self) -> Vec<Vec<String>> {
-        self.zero_offsets_apart.iter().map(OffsetApart::row).collect()
-    }
-
     /// What effective zero offsets are.
-    pub(crate) fn of_offsets(&self) -> &'static str {
+    fn of_offsets(&self) -> &'static str {
         match self.left_out.is_empty() {
             true => {
                 "The model has constants alone: what the joints yield on average is in these offsets. They are no errors of the encoders."
@@ -190,7 +180,7 @@ impl ParametersSummary {
     }
 
     /// What the table is, and the frames of its rows.
-    pub(crate) fn note(&self) -> String {
+    fn note(&self) -> String {
         const FRAMES: &str = "Rows of the base: its place in the measurement frame; of joints: as in the robot file; of the tool: its place on the flange; \
                               of targets: in the tool's axes.";
         const ORIGINS: &str = " No rows of Denavit and Hartenberg describe the fitted robot: its joints are given by their origins at zero, each in the frame of \
@@ -206,23 +196,40 @@ impl ParametersSummary {
     }
 }
 
-impl fmt::Display for ParametersSummary {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(f, "\nparameters of the robot, as it is described")?;
+impl ParametersSummary {
+    /// The table of parameters and those of the zero offsets, or why there is none.
+    pub(crate) fn document(&self) -> Document {
+        let mut document = Document::default();
         if let Some(why) = &self.absent {
-            return writeln!(f, " none: {why}");
+            document.push(Only::Both, Block::Gap);
+            document.sentence(&format!("There is no table of parameters: {why}."));
+            return document;
         }
         let sides = [Left, Left, Left, Right, Right, Right, Right, Left];
-        write!(f, "{}", table(&Self::HEAD, &sides, &self.rows()))?;
-        writeln!(f, " {}", self.note())?;
-        writeln!(f, "\n{}", Self::OF_OFFSETS)?;
-        write!(f, "{}", table(&Self::OFFSETS, &[Left, Right, Right, Left, Left], &self.offsets()))?;
-        writeln!(f, " {}", self.of_offsets())?;
+        let caption =
+            "parameters in the convention and the units of the robot file, with 95 % confidence intervals";
+        document.table(
+            caption,
+            &Self::HEAD,
+            &sides,
+            self.parameters.iter().map(ParameterSummary::row).collect(),
+        );
+        document.note(self.note());
+        let sides = [Left, Right, Right, Left, Left];
+        document.table(Self::OF_OFFSETS, &Self::OFFSETS, &sides, self.offsets());
+        document.note(self.of_offsets());
         if !self.zero_offsets_apart.is_empty() {
             let sides = [Left, Right, Right, Right, Right, Right, Left];
-            write!(f, "\n{}\n{}", Self::OF_APART, table(&Self::APART, &sides, &self.apart()))?;
+            let rows = self.zero_offsets_apart.iter().map(OffsetApart::row).collect();
+            document.table(Self::OF_APART, &Self::APART, &sides, rows);
         }
-        Ok(())
+        document
+    }
+}
+
+impl fmt::Display for ParametersSummary {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.document().fmt(f)
     }
 }
 

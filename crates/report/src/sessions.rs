@@ -1,6 +1,7 @@
 //! What each session of a campaign leaves.
 
-use crate::layout::{Alignment, table};
+use crate::document::Document;
+use crate::layout::Alignment;
 use crate::{PositionStatistics, significant};
 use serde::{Deserialize, Serialize};
 use truepose_errormodel::{Dataset, Visits};
@@ -45,11 +46,10 @@ pub fn session_summaries(
     names.iter().enumerate().map(one).collect()
 }
 
-pub(crate) const HEAD: [&str; 5] =
-    ["session", "poses", "nominal arm, mm", "with the fit, mm", "held out, mm"];
+const HEAD: [&str; 5] = ["session", "poses", "nominal arm, mm", "with the fit, mm", "held out, mm"];
 
 /// A row a session, under [`HEAD`].
-pub(crate) fn cells(sessions: &[SessionSummary]) -> Vec<Vec<String>> {
+fn cells(sessions: &[SessionSummary]) -> Vec<Vec<String>> {
     let number = |value: Option<f64>| value.map_or_else(|| "-".into(), |mm| significant(mm, 3));
     sessions
         .iter()
@@ -65,11 +65,11 @@ pub(crate) fn cells(sessions: &[SessionSummary]) -> Vec<Vec<String>> {
         .collect()
 }
 
-/// A line a session; empty without sessions.
-pub(crate) fn text(sessions: &[SessionSummary]) -> String {
+/// A table with a row a session; nothing without sessions.
+pub(crate) fn show(sessions: &[SessionSummary], document: &mut Document) {
     use Alignment::{Left, Right};
-    if sessions.is_empty() {
-        return String::new();
+    if !sessions.is_empty() {
+        let sides = [Left, Right, Right, Right, Right];
+        document.table("sessions, RMS of the 3-D position error", &HEAD, &sides, cells(sessions));
     }
-    table(&HEAD, &[Left, Right, Right, Right, Right], &cells(sessions))
 }

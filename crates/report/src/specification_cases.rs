@@ -3,6 +3,8 @@
 //! The model's error at unseen poses is the robot's only where each command is corrected by the model. What is done with a fit is the user's
 //! decision; the verdict is of that alone.
 
+use crate::document::{Block, Document, Only};
+use crate::layout::Alignment::{Left, Right};
 use crate::{Correction, SpecificationSummary, count, significant};
 use serde::{Deserialize, Serialize};
 
@@ -62,14 +64,40 @@ impl SpecificationLines {
         SpecificationLines { judged, cases }
     }
 
-    /// The verdict, and one line a case.
-    pub(crate) fn text(&self) -> String {
-        let lines = self.lines().into_iter().map(|[name, figures]| format!("  {name}: {figures}\n"));
-        format!("{}\n{}", self.judged.sentence(), lines.collect::<String>())
+    /// The verdict, and each case: a line of the terminal, a row of the page.
+    pub(crate) fn show(of: Option<&Self>, document: &mut Document) {
+        let Some(of) = of else {
+            let none =
+                "No specification was given. With --spec 0.5mm, the held-out poses are compared with one.";
+            return document.push(Only::Page, Block::Note(none.into()));
+        };
+        let word = of.judged.verdict.name();
+        document.push(Only::Both, Block::Judged { word, sentence: of.judged.sentence() });
+        for [name, figures] in of.lines() {
+            document.push(Only::Terminal, Block::Item(format!("{name}: {figures}")));
+        }
+        let row = |case: &SpecificationCase| {
+            let verdict = if case.correction == of.judged.correction { word } else { "–" };
+            vec![
+                case.correction.name().to_owned(),
+                format!("{} of {}", case.inside, case.poses),
+                significant(case.rms_mm, 3),
+                case.tolerance_mm.map_or_else(|| "–".into(), |mm| significant(mm, 3)),
+                verdict.to_owned(),
+            ]
+        };
+        let table = Block::Table {
+            caption: "the specification, case by case".into(),
+            head: ["robot", "inside", "RMS, mm", "95 % within, mm", "verdict"].map(String::from).into(),
+            sides: vec![Left, Right, Right, Right, Right],
+            rows: of.cases.iter().map(row).collect(),
+        };
+        document.push(Only::Page, table);
+        document.push(Only::Page, Block::Note(of.meaning()));
     }
 
     /// What the cases are.
-    pub(crate) fn meaning(&self) -> String {
+    fn meaning(&self) -> String {
         let names: Vec<String> = self.cases.iter().map(SpecificationCase::name).collect();
         format!("{}. The verdict is of what will be done (--correction) alone.", names.join("; "))
     }

@@ -1,9 +1,9 @@
 //! Uncertainty budgets (GUM) of an acceptance and of an identification.
 
+use crate::document::Document;
 use crate::layout::Alignment::{Left, Right};
-use crate::{significant, table};
+use crate::significant;
 use serde::Serialize;
-use std::fmt;
 use truepose_acceptance::{Budget, Contribution, Evaluation};
 use truepose_errormodel::{Dataset, configurations};
 use truepose_identify::{Identification, IdentifyError, Residuals};
@@ -179,7 +179,7 @@ impl BudgetSummary {
     }
 
     /// Cells of a table: names, then x, y, z, total.
-    pub(crate) fn rows(&self) -> Vec<Vec<String>> {
+    fn rows(&self) -> Vec<Vec<String>> {
         let mm = |v: f64| significant(v, 3);
         let freedom = |of: Option<f64>| of.map_or_else(|| "∞".into(), |v| significant(v.max(1.0).round(), 3));
         let mut rows: Vec<Vec<String>> = self
@@ -208,15 +208,22 @@ impl BudgetSummary {
     }
 
     /// Heads of the columns.
-    pub(crate) const HEAD: [&str; 8] =
+    const HEAD: [&str; 8] =
         ["contribution", "type", "u(x), mm", "u(y), mm", "u(z), mm", "total, mm", "ν", "variance"];
 }
 
-impl fmt::Display for BudgetSummary {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(f, "uncertainty budget (GUM): {}", self.measurand)?;
-        let alignment = [Left, Left, Right, Right, Right, Right, Right, Right];
-        write!(f, "{}", table(&Self::HEAD, &alignment, &self.rows()))?;
-        self.notes.iter().try_for_each(|note| writeln!(f, " {note}"))
+impl BudgetSummary {
+    /// The table with its notes.
+    pub(crate) fn document(&self) -> Document {
+        let mut document = Document::default();
+        let sides = [Left, Left, Right, Right, Right, Right, Right, Right];
+        let caption = format!("uncertainty budget (GUM): {}", self.measurand);
+        document.table(caption, &Self::HEAD, &sides, self.rows());
+        document.note(
+            "Type A: from the scatter of observations; type B: from other knowledge (GUM). ν: degrees of freedom. Variance: part of the \
+             combined variance.",
+        );
+        self.notes.iter().for_each(|note| document.note(note));
+        document
     }
 }

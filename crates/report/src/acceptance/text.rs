@@ -95,7 +95,7 @@ impl fmt::Display for AcceptanceSummary {
             write!(f, "{}", table(&head, &alignment, &self.verdict_rows()))?;
         }
         if let Some(budget) = &self.budget {
-            write!(f, "\n{budget}")?;
+            write!(f, "{}", budget.document())?;
         }
         Ok(())
     }

@@ -2,9 +2,10 @@
 
 use super::effects::ONLY_JOINTLY;
 use super::{DiscoverySummary, FindingSummary};
+use crate::document::{Block, Document, Only};
 use crate::wording::heading;
 use crate::wording::p_text;
-use crate::{count, significant};
+use crate::{SpecificationLines, count, significant};
 use std::fmt;
 use truepose_discover::{Family, HeldOut};
 
@@ -24,7 +25,7 @@ impl fmt::Display for DiscoverySummary {
         if let Some(observers) = &self.observers {
             writeln!(f, "\n{}", observers.sentence().trim_end())?;
         }
-        self.verdict(f)?;
+        write!(f, "\n{}\n{}", self.judgement(), self.evidence())?;
         let used = self.before.holdout_used();
         writeln!(
             f,
@@ -37,24 +38,7 @@ impl fmt::Display for DiscoverySummary {
             count(used.count, "row")
         )?;
         self.error_budget(f)?;
-        if let Some(kinds) = &self.kinds {
-            write!(
-                f,
-                "\nkinds of observation, RMS (the effects were chosen with these rows)\n{}",
-                kinds.text()
-            )?;
-        }
-        if let Some(landmarks) = &self.landmarks {
-            writeln!(f, "\n{} The effects were chosen with these rows.", landmarks.sentences())?;
-            f.write_str(&landmarks.text())?;
-        }
-        if !self.sessions.is_empty() {
-            write!(
-                f,
-                "\nsessions, RMS of the 3-D position error\n{}",
-                crate::sessions::text(&self.sessions)
-            )?;
-        }
+        write!(f, "{}", self.observations())?;
         for (number, effect) in (1..).zip(&self.effects) {
             writeln!(f, "\n{number}. {}", effect.name())?;
             effect.details(f)?;
@@ -64,41 +48,52 @@ impl fmt::Display for DiscoverySummary {
 }
 
 impl DiscoverySummary {
-    fn verdict(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(f, "\n{}\n{}\n{}", self.adequacy(), self.answer(), self.result())?;
-        self.assumed.iter().try_for_each(|words| writeln!(f, "{words}"))?;
-        if let Some(partial) = &self.partial_rows {
-            writeln!(f, "{}", partial.sentence())?;
-        }
-        for sentence in self.beside() {
-            writeln!(f, "{sentence}")?;
-        }
-        writeln!(f, "{}", self.noise_floor.sentence())?;
-        if let Some(specification) = &self.specification {
-            write!(f, "{}", specification.text())?;
-        }
-        let termination = self.termination();
-        if !termination.is_empty() {
-            writeln!(f, "{termination}")?;
-        }
-        if let Some(wander) = self.dependence.as_ref().and_then(|d| d.sentence()) {
-            writeln!(f, "{wander}")?;
-        }
-        if let Some(joints) = &self.joint_repeatability {
-            writeln!(f, "{}", joints.sentence())?;
-        }
+    /// The verdict with the figures that decide it.
+    pub(crate) fn judgement(&self) -> Document {
+        let mut document = Document::default();
+        document.verdict(self.adequacy());
+        document.sentences([self.answer(), self.result()]);
+        document.sentences(&self.assumed);
+        document.sentences(self.partial_rows.as_ref().map(crate::PartialRows::sentence));
+        document.sentences(self.beside());
+        document.sentence(&self.noise_floor.sentence());
+        SpecificationLines::show(self.specification.as_ref(), &mut document);
+        document.sentence(&self.termination());
+        document.sentences(self.dependence.as_ref().and_then(|found| found.sentence()));
+        document.sentences(self.joint_repeatability.as_ref().map(|joints| joints.sentence()));
+        document
+    }
+
+    /// Nested cross-validation, the residual of the declared model, and whether the poses are too few.
+    pub(crate) fn evidence(&self) -> Document {
+        let mut document = Document::default();
         if let Some(nested) = &self.nested {
-            writeln!(f, "{}", self.nested_sentence().unwrap_or_default())?;
+            document.sentence(&self.nested_sentence().unwrap_or_default());
             for (number, (found, after)) in (1..).zip(nested.found.iter().zip(&nested.after_by_fold)) {
                 let names = if found.is_empty() { "no finding".into() } else { found.join(", ") };
-                writeln!(f, "  fold {number}, {} mm: {names}", significant(after.rms_mm, 3))?;
+                let rms = significant(after.rms_mm, 3);
+                document.push(Only::Both, Block::Item(format!("fold {number}, {rms} mm: {names}")));
             }
+            document.push(Only::Both, Block::Gap);
         }
-        writeln!(f, "\n{}", self.residual())?;
-        if let Some(few) = &self.too_few_poses {
-            writeln!(f, "{}", few.sentence())?;
+        document.sentence(&self.residual());
+        document.sentences(self.too_few_poses.map(|few| few.sentence()));
+        document
+    }
+
+    /// What each kind of observation, each landmark and each session leaves.
+    pub(crate) fn observations(&self) -> Document {
+        let mut document = Document::default();
+        if let Some(kinds) = &self.kinds {
+            kinds.show(" (the effects were chosen with these rows)", &mut document);
         }
-        Ok(())
+        if let Some(landmarks) = &self.landmarks {
+            document.push(Only::Both, Block::Gap);
+            document.sentence(&format!("{} The effects were chosen with these rows.", landmarks.sentences()));
+            landmarks.show(&mut document);
+        }
+        crate::sessions::show(&self.sessions, &mut document);
+        document
     }
 
     fn not_added(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

@@ -1,9 +1,12 @@
 //! An identification as text for a terminal: verdict first, then figures, noise and groups.
 
 use super::{IdentificationSummary, StageSummary};
+use crate::document::{Block, Document, Only};
 use crate::layout::Alignment::{Left, Right};
 use crate::wording::heading;
-use crate::{ParameterSummary, PartialRows, count, significant, table, value_with_interval};
+use crate::{
+    ParameterSummary, PartialRows, SpecificationLines, count, significant, table, value_with_interval,
+};
 use std::fmt;
 
 /// Grouped errors beyond this many are not printed one by one (they are all in the JSON).
@@ -16,43 +19,11 @@ impl fmt::Display for IdentificationSummary {
         let heading = heading(&self.robot, self.rows, self.visits);
         writeln!(f, "{heading}, {}", count(self.configurations, "configuration"))?;
         write!(f, "{}", self.data_check)?;
-        writeln!(f, "\n{}\n{}", self.verdict, self.limit)?;
-        self.assumed.iter().try_for_each(|words| writeln!(f, "{words}"))?;
-        if let Some(partial) = &self.partial_rows {
-            writeln!(f, "{}", partial.sentence())?;
-        }
-        if let Some(landmarks) = &self.landmarks {
-            writeln!(f, "{}", landmarks.sentences())?;
-        }
-        if let Some(specification) = &self.specification {
-            write!(f, "{}", specification.text())?;
-        }
-        if !self.converged {
-            writeln!(
-                f,
-                "NOT CONVERGED: the fit still moved after {}; no figure of the declared model below is final",
-                count(self.rounds, "iteration")
-            )?;
-        }
-        for warning in &self.warnings {
-            writeln!(f, "warning: {warning}")?;
-        }
-        if let Some(placement) = &self.placement {
-            writeln!(
-                f,
-                "\nestimated from the data: {} (RMS {} mm with the nominal arm)",
-                placement.found.join(", "),
-                significant(placement.rms_mm, 3)
-            )?;
-            write!(f, "{}", ParameterSummary::as_places(&placement.places))?;
-            for line in &placement.undetermined {
-                writeln!(f, "  {line}")?;
-            }
-        }
+        write!(f, "\n{}{}", self.judgement(), self.frames())?;
         self.errors(f)?;
-        self.noise(f)?;
+        write!(f, "{}\n{}", self.observations(), self.noise())?;
         if let Some(budget) = &self.budget {
-            write!(f, "\n{budget}")?;
+            write!(f, "{}", budget.document())?;
         }
         self.reduction(f)?;
         if !self.worst.is_empty() {
@@ -147,65 +118,103 @@ impl IdentificationSummary {
         )?;
         header[1] = "rows";
         write!(f, "{}", table(&header, &[Left, Right, Right, Right, Right, Right], &parts))?;
-        if let Some(landmarks) = &self.landmarks {
-            f.write_str(&landmarks.text())?;
-        }
-        if let Some(kinds) = &self.kinds {
-            write!(f, "\nkinds of observation, RMS\n{}", kinds.text())?;
-        }
-        if !self.sessions.is_empty() {
-            write!(
-                f,
-                "\nsessions, RMS of the 3-D position error\n{}",
-                crate::sessions::text(&self.sessions)
-            )?;
-        }
         Ok(())
     }
 
-    fn noise(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    /// The verdict, what it rests on, and what a reader has to be warned of.
+    pub(crate) fn judgement(&self) -> Document {
+        let mut document = Document::default();
+        document.verdict(&self.verdict);
+        document.sentence(&self.limit);
+        document.sentences(&self.assumed);
+        document.sentences(self.partial_rows.as_ref().map(PartialRows::sentence));
+        document.sentences(self.landmarks.as_ref().map(crate::LandmarksSummary::sentences));
+        SpecificationLines::show(self.specification.as_ref(), &mut document);
+        if !self.converged {
+            document.sentence(&format!(
+                "NOT CONVERGED: the fit still moved after {}; no figure of the declared model below is final",
+                count(self.rounds, "iteration")
+            ));
+        }
+        for warning in &self.warnings {
+            document.push(Only::Both, Block::Warning(warning.clone()));
+        }
+        document
+    }
+
+    /// Base, tool and targets that were estimated.
+    pub(crate) fn frames(&self) -> Document {
+        let mut document = Document::default();
+        let Some(placement) = &self.placement else { return document };
+        let caption = format!(
+            "estimated from the data: {} (RMS {} mm with the nominal arm)",
+            placement.found.join(", "),
+            significant(placement.rms_mm, 3)
+        );
+        match ParameterSummary::as_places(&placement.places) {
+            Some((head, sides, rows)) => {
+                let head: Vec<&str> = head.iter().map(String::as_str).collect();
+                document.table(caption, &head, &sides, rows);
+            }
+            None => {
+                document.push(Only::Both, Block::Gap);
+                document.sentence(&caption);
+            }
+        }
+        for line in &placement.undetermined {
+            document.push(Only::Both, Block::Item(line.clone()));
+        }
+        document
+    }
+
+    /// What each landmark, each kind of observation and each session leaves.
+    pub(crate) fn observations(&self) -> Document {
+        let mut document = Document::default();
+        if let Some(landmarks) = &self.landmarks {
+            landmarks.show(&mut document);
+        }
+        if let Some(kinds) = &self.kinds {
+            kinds.show("", &mut document);
+        }
+        crate::sessions::show(&self.sessions, &mut document);
+        document
+    }
+
+    /// Noise, and what repeats show of it.
+    pub(crate) fn noise(&self) -> Document {
+        let mut document = Document::default();
         let own =
             if self.noise.stated { " in addition to the stated accuracy of the instrument" } else { "" };
-        write!(
-            f,
-            "\nnoise standard deviation per component: {} mm per row{own}",
-            significant(self.noise.position_sd_mm, 3)
-        )?;
+        let row = significant(self.noise.position_sd_mm, 3);
+        let mut noise = format!("noise standard deviation per component: {row} mm per row{own}");
         if self.noise.visit_sd_mm > 0.0 {
-            write!(
-                f,
+            noise += &format!(
                 ", {} mm per pose measurement (repeatability, and what the model lacks)",
                 significant(self.noise.visit_sd_mm, 3)
-            )?;
+            );
         }
         if let Some(sd) = self.noise.orientation_sd_mrad {
-            write!(f, ", {} mrad in orientation", significant(sd, 3))?;
+            noise += &format!(", {} mrad in orientation", significant(sd, 3));
         }
-        writeln!(f)?;
-        if let Some(repeats) = &self.repeats {
-            write!(
-                f,
-                "repeated pose measurements: {}, pure error {} mm RMS{}",
-                count(repeats.groups, "group"),
-                significant(repeats.rms_mm, 3),
-                if self.partial_rows.is_none() && self.kinds.is_none() { " (3-D)" } else { "" }
-            )?;
-            match &repeats.lack_of_fit {
-                Some(l) => {
-                    let p = if l.p_value < 1e-4 {
-                        "p < 0.0001".into()
-                    } else {
-                        format!("p = {}", significant(l.p_value, 2))
-                    };
-                    writeln!(f, "; lack of fit F = {} ({p})", significant(l.f, 3))?;
-                }
-                None => writeln!(f)?,
-            }
-            if repeats.one_sided {
-                writeln!(f, " all repeats have the same direction of approach: they do not show backlash")?;
-            }
+        document.sentence(&noise);
+        let Some(repeats) = &self.repeats else { return document };
+        let lack = repeats.lack_of_fit.map_or_else(String::new, |lack| {
+            let p = match lack.p_value {
+                p if p < 1e-4 => "p < 0.0001".into(),
+                p => format!("p = {}", significant(p, 2)),
+            };
+            format!("; lack of fit F = {} ({p})", significant(lack.f, 3))
+        });
+        document.sentence(&format!(
+            "repeated pose measurements: {}, pure error {} mm RMS{}{lack}",
+            count(repeats.groups, "group"),
+            significant(repeats.rms_mm, 3),
+            if self.partial_rows.is_none() && self.kinds.is_none() { " (3-D)" } else { "" }
+        ));
+        if repeats.one_sided {
+            document.note("all repeats have the same direction of approach: they do not show backlash");
         }
-        Ok(())
+        document
     }
 
     fn reduction(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

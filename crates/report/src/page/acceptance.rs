@@ -4,8 +4,7 @@ use super::{Page, Report};
 use crate::acceptance::{heads, pose_rows, symbols};
 use crate::figure::{Bar, Plot, bars, escape};
 use crate::{
-    AcceptanceSummary, BudgetSummary, FigureSummary, Limit, PoseDistanceSummary, RunRecord, StateSummary,
-    count, significant,
+    AcceptanceSummary, FigureSummary, Limit, PoseDistanceSummary, RunRecord, StateSummary, count, significant,
 };
 use truepose_acceptance::Conformity;
 
@@ -55,26 +54,13 @@ pub fn acceptance_report(summary: &AcceptanceSummary, run: &RunRecord) -> Report
     }
     if let Some(budget) = &summary.budget {
         page.section("Uncertainty budget");
-        page.budget(budget);
+        page.document(&budget.document());
     }
     page.section("Definitions");
     definitions(&mut page);
     page.section("Files");
     page.reproduction(run);
     page.finish()
-}
-
-impl Page {
-    /// A budget as a table.
-    pub(crate) fn budget(&mut self, budget: &BudgetSummary) {
-        let caption = format!("Uncertainty of {}", budget.measurand);
-        self.table(&caption, &BudgetSummary::HEAD, &budget.rows(), true);
-        self.note(
-            "Type A: from the scatter of observations; type B: from other knowledge (GUM). ν: degrees of freedom. Variance: part of the \
-             combined variance.",
-        );
-        budget.notes.iter().for_each(|note| self.note(note));
-    }
 }
 
 fn verdict(page: &mut Page, summary: &AcceptanceSummary) {

@@ -2,7 +2,6 @@
 
 use super::rows::{Rows, complement, merged};
 use super::sheet::SheetStage;
-use super::specification::specification;
 use super::{Page, Report};
 use crate::discovery::effects::ONLY_JOINTLY;
 use crate::discovery::text::WITHOUT_EXCLUDED;
@@ -31,22 +30,17 @@ pub fn discovery_report(
     let poses = format!("{} ({})", summary.visits, count(summary.rows, "row"));
     page.head(run, &[("pose measurements", poses)]);
     page.section("Verdict");
-    page.data_check(&summary.data_check);
+    summary.data_check.sentences().iter().for_each(|sentence| page.text(sentence));
     if let Some(observers) = &summary.observers {
         page.text(observers.sentence().trim_end());
     }
-    verdict(&mut page, summary);
-    summary.assumed.iter().for_each(|words| page.text(words));
-    if let Some(partial) = &summary.partial_rows {
-        page.text(&partial.sentence());
-    }
+    page.document(&summary.judgement());
+    figures(&mut page, summary);
     page.end_of_sheet();
-    residual(&mut page, summary);
+    page.document(&summary.evidence());
     let rows = rows(found, data, labels);
     page.section("Position errors");
-    page.kinds(summary.kinds.as_ref());
-    page.landmarks(summary.landmarks.as_ref());
-    page.sessions(&summary.sessions);
+    page.document(&summary.observations());
     page.space(&rows, TITLES, summary.specification.as_ref().map(|s| s.judged.limit_mm));
     page.robot(found.fit.fitted.chain(), data, &rows, TITLES);
     page.joint_space(&rows, TITLES);
@@ -69,7 +63,10 @@ pub fn discovery_report(
     page.section("Identifiability");
     page.identifiability(&found.fit, &found.data)?;
     untestable(&mut page, summary);
-    page.parameters(summary.parameters.as_ref());
+    if let Some(parameters) = &summary.parameters {
+        page.section("Parameters of the robot");
+        page.document(&parameters.document());
+    }
     page.section("Candidates not added, settings, files");
     not_added(&mut page, summary);
     settings(&mut page, summary);
@@ -99,16 +96,10 @@ fn rows(found: &Diagnosis, data: &Dataset, labels: &[i64]) -> Rows {
     Rows::new(found.fit.fitted.chain(), data, labels, &chosen, &held, &before, &after)
 }
 
-fn verdict(page: &mut Page, summary: &DiscoverySummary) {
+/// The figures of the verdict, and the chain of stages.
+fn figures(page: &mut Page, summary: &DiscoverySummary) {
     let (before, after) = (summary.before.holdout_used(), summary.after.holdout_used());
     let mm = |v: f64| significant(v, 3);
-    page.raw(&format!("<p class=\"verdict\">{}</p>", escape(&summary.adequacy())));
-    page.text(&format!("{} {} {}", summary.answer(), summary.result(), summary.noise_floor.sentence()));
-    page.text(summary.termination().trim());
-    if let Some(joints) = &summary.joint_repeatability {
-        page.text(&joints.sentence());
-    }
-    summary.beside().iter().for_each(|sentence| page.text(sentence));
     page.raw("<div class=\"numbers4\">");
     let rows = summary.held_out_rows();
     let tail = [
@@ -141,7 +132,6 @@ fn verdict(page: &mut Page, summary: &DiscoverySummary) {
              the enlarged model predicts the test set worse than the declared model."
         }
     });
-    specification(page, summary.specification.as_ref());
     let stage = |name: &str, fitted, verified| SheetStage { name: name.into(), fitted, verified };
     let mut stages = Vec::new();
     if let Some(found) = &summary.as_found {
@@ -151,17 +141,6 @@ fn verdict(page: &mut Page, summary: &DiscoverySummary) {
     stages.push(stage("calibrated (declared model)", Some(summary.before.train), Some(before)));
     stages.push(stage("with the effects found", Some(summary.after.train), Some(after)));
     page.stages(&stages, rows);
-}
-
-/// The residual of the declared model, the number of poses, and the nested cross-validation.
-fn residual(page: &mut Page, summary: &DiscoverySummary) {
-    page.text(&summary.residual());
-    if let Some(few) = &summary.too_few_poses {
-        page.text(&few.sentence());
-    }
-    if let Some(sentence) = summary.nested_sentence() {
-        page.text(&sentence);
-    }
 }
 
 fn error_budget(page: &mut Page, summary: &DiscoverySummary) {

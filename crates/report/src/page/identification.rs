@@ -2,9 +2,8 @@
 
 use super::rows::{Rows, complement, merged};
 use super::sheet::SheetStage;
-use super::specification::specification;
 use super::{Page, Report};
-use crate::figure::{Bar, bars, escape, unit_text};
+use crate::figure::{Bar, bars, unit_text};
 use crate::{
     Correction, IdentificationSummary, NonlinearParameterSummary, RunRecord, SpecificationLines, count,
     significant,
@@ -57,12 +56,9 @@ pub fn identification_report(
     let poses = format!("{} ({})", summary.visits, count(summary.rows, "row"));
     page.head(run, &[("pose measurements", poses)]);
     page.section("Verdict");
-    page.data_check(&summary.data_check);
-    verdict(&mut page, summary);
-    summary.assumed.iter().for_each(|words| page.text(words));
-    if let Some(partial) = &summary.partial_rows {
-        page.text(&partial.sentence());
-    }
+    summary.data_check.sentences().iter().for_each(|sentence| page.text(sentence));
+    page.document(&summary.judgement());
+    figures(&mut page, summary);
     page.end_of_sheet();
     let rows = rows(found, data, labels);
     page.section("Position errors");
@@ -70,9 +66,9 @@ pub fn identification_report(
         Some(_) => "Each error is the prediction error of a model that was fitted without this row.",
         None => "Errors on the rows of the fit: no rows were held out.",
     });
-    page.kinds(summary.kinds.as_ref());
-    page.landmarks(summary.landmarks.as_ref());
-    page.sessions(&summary.sessions);
+    for part in [summary.frames(), summary.observations(), summary.noise()] {
+        page.document(&part);
+    }
     page.space(&rows, TITLES, summary.specification.as_ref().map(|s| s.judged.limit_mm));
     page.robot(&found.placement.chain, data, &rows, TITLES);
     page.joint_space(&rows, TITLES);
@@ -87,10 +83,13 @@ pub fn identification_report(
     page.section("Identifiability");
     nonlinear_parameters(&mut page, &summary.nonlinear_parameters);
     page.identifiability(&found.fit, data)?;
-    page.parameters(summary.parameters.as_ref());
+    if let Some(parameters) = &summary.parameters {
+        page.section("Parameters of the robot");
+        page.document(&parameters.document());
+    }
     if let Some(budget) = &summary.budget {
         page.section("Uncertainty budget");
-        page.budget(budget);
+        page.document(&budget.document());
     }
     page.section("Settings, files");
     let row = |name: &str, value: String| vec![name.to_owned(), value];
@@ -146,7 +145,8 @@ fn nonlinear_parameters(page: &mut Page, list: &[NonlinearParameterSummary]) {
     );
 }
 
-fn verdict(page: &mut Page, summary: &IdentificationSummary) {
+/// The errors of the stages, drawn and in a table.
+fn figures(page: &mut Page, summary: &IdentificationSummary) {
     let judged = |stage: &crate::StageSummary| stage.test_set.or(stage.held_out).unwrap_or(stage.train);
     let seen = match summary.stages.last() {
         Some(last) if last.test_set.is_some() => "on the held-out test set",
@@ -166,9 +166,6 @@ fn verdict(page: &mut Page, summary: &IdentificationSummary) {
             label: format!("{} mm", mm(judged(stage).rms_mm)),
         })
         .collect();
-    page.raw(&format!("<p class=\"verdict\">{}</p>", escape(&summary.verdict)));
-    specification(page, summary.specification.as_ref());
-    page.text(&summary.limit);
     let svg = bars("RMS of the 3-D position error by model", &list, None);
     page.figure("models", &svg, &format!("RMS of the 3-D position error, {seen}."));
     let names = ["as found (nominal)", "best base, tool and targets", "calibrated"];
@@ -184,10 +181,6 @@ fn verdict(page: &mut Page, summary: &IdentificationSummary) {
         })
         .collect();
     page.stages(&stages, seen);
-    let all: Vec<String> = summary.warnings.clone();
-    if !all.is_empty() {
-        page.list(&all);
-    }
 }
 
 /// Rows in the order of the data; each with the error of a model that was fitted without it, where there is one.

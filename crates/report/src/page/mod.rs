@@ -1,15 +1,14 @@
 //! The report: one self-contained page, and its figures as files.
 
 mod acceptance;
+mod blocks;
 mod changed;
 mod commands;
 mod comparison;
 mod discovery;
 mod identifiability;
 mod identification;
-mod installations;
 mod joint_space;
-mod parameters;
 mod places;
 mod program;
 mod residuals;
@@ -17,7 +16,6 @@ mod robot;
 mod rows;
 mod sheet;
 mod space;
-mod specification;
 
 pub use acceptance::acceptance_report;
 pub use changed::{ChangedLine, changed_lines};
@@ -30,8 +28,8 @@ pub use places::{
 };
 pub use program::{CorrectionView, OffsetView, ProgramView, program_report};
 
+use crate::RunRecord;
 use crate::figure::{COLOURS, escape, standalone};
-use crate::{DataCheck, RunRecord};
 use std::fmt::Write;
 
 const STYLE: &str = include_str!("style.css");
@@ -85,11 +83,6 @@ impl Page {
     /// A paragraph of text.
     pub(crate) fn text(&mut self, text: &str) {
         let _ = write!(self.body, "<p>{}</p>", escape(text));
-    }
-
-    /// What seems wrong with the data; nothing where nothing does.
-    pub(crate) fn data_check(&mut self, check: &DataCheck) {
-        check.sentences().iter().for_each(|sentence| self.text(sentence));
     }
 
     /// A paragraph in small print; nothing for an empty text.

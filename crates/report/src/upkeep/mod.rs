@@ -5,10 +5,10 @@ mod history;
 mod monitor;
 mod transfer;
 
-pub use fleet::{FleetCoefficient, FleetSummary, SisterSummary};
+pub use fleet::{FleetSummary, SisterSummary};
 pub use history::{LookView, history_page, monitor_report};
-pub use monitor::{ChangeSummary, DetectableSummary, MonitorSummary};
-pub use transfer::{AdvisedSummary, ArmFitsSummary, BandSummary, InstallationSummary, TransferSummary};
+pub use monitor::MonitorSummary;
+pub use transfer::TransferSummary;
 
 use crate::{count, value_with_interval};
 
