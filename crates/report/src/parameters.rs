@@ -1,7 +1,7 @@
 //! The fitted robot in the numbers of its own description: nominal, change, calibrated, and 95 % interval.
 
 use crate::document::{Block, Document, Only};
-use crate::layout::Alignment::{self, Left, Right};
+use crate::layout::Alignment::{Left, Right};
 use crate::significant;
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -114,8 +114,8 @@ impl ParameterSummary {
         ]
     }
 
-    /// Heads, alignments and rows of a table of poses and points: value ± half width of the 95 % interval; none of nothing.
-    pub(crate) fn as_places(numbers: &[Self]) -> Option<(Vec<String>, Vec<Alignment>, Vec<Vec<String>>)> {
+    /// A table of poses and points, a row each: value ± half width of the 95 % interval; none of nothing.
+    pub(crate) fn as_places(caption: &str, numbers: &[Self]) -> Option<Block> {
         let lines: Vec<&[Self]> = numbers.chunk_by(|a, b| a.part == b.part).collect();
         let longest = lines.iter().max_by_key(|line| line.len())?;
         let heads = longest.iter().map(|number| format!("{}, {}", number.parameter, number.unit));
@@ -134,7 +134,7 @@ impl ParameterSummary {
         };
         let sides: Vec<_> = std::iter::once(Left).chain(longest.iter().map(|_| Right)).collect();
         let rows = lines.iter().map(row).collect();
-        Some((head, sides, rows))
+        Some(Block::Table { caption: caption.into(), head, sides, rows })
     }
 
     fn row(&self) -> Vec<String> {

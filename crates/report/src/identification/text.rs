@@ -151,11 +151,8 @@ impl IdentificationSummary {
             placement.found.join(", "),
             significant(placement.rms_mm, 3)
         );
-        match ParameterSummary::as_places(&placement.places) {
-            Some((head, sides, rows)) => {
-                let head: Vec<&str> = head.iter().map(String::as_str).collect();
-                document.table(caption, &head, &sides, rows);
-            }
+        match ParameterSummary::as_places(&caption, &placement.places) {
+            Some(table) => document.push(Only::Both, table),
             None => {
                 document.push(Only::Both, Block::Gap);
                 document.sentence(&caption);
