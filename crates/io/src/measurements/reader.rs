@@ -209,7 +209,6 @@ impl MeasurementsReader {
         if self.count == 0 {
             return Err(self.no_rows());
         }
-        self.rows.exclude.all_met(self.source.file())?;
         Ok(block.len())
     }
 
@@ -279,7 +278,10 @@ impl MeasurementsReader {
             match self.source.row(&mut self.rows) {
                 Ok(Some(_)) if self.rows.row.skipped => {}
                 Ok(Some(bytes)) => break bytes,
-                Ok(None) => return Ok(false),
+                Ok(None) => {
+                    self.rows.exclude.all_met(self.source.file())?;
+                    return Ok(false);
+                }
                 Err(error) if self.rows.failed => return Err(self.all_problems(error)),
                 Err(error) => return Err(error),
             }

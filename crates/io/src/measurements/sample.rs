@@ -1,5 +1,6 @@
 //! A few visits from all over a file, without reading the rest.
 
+use super::excluded::Excluded;
 use super::reader::{MeasurementsOptions, MeasurementsReader};
 use super::visits::VisitNumbers;
 use crate::IoError;
@@ -38,6 +39,8 @@ pub fn sample_measurements(
         return Ok(sample);
     }
     let mut block = Dataset::default();
+    // Behind a jump lines have no numbers: nothing is left out there.
+    reader.rows.exclude = Excluded::new(Vec::new());
     for place in 1..places {
         reader.pending = false;
         reader.visits = VisitNumbers::default();
@@ -119,5 +122,33 @@ mod tests {
         std::fs::write(&path, "r1[rad],r2[rad],slide[m],r4[rad],x[m],y[m],z[m]\n0,0,0,zero,1,2,3\n").unwrap();
         let error = sample_measurements(&path, &chain, &options, 640).unwrap_err();
         assert!(error.to_string().contains(":2: column `r4[rad]` (4): `zero` is not a number"), "{error}");
+    }
+
+    #[test]
+    fn lines_that_are_left_out_are_met_by_the_end_of_the_file() {
+        let chain = samples::scara();
+        let (_folder, path) = file(20_000);
+        let left_out = |lines: &[u64]| {
+            let columns = crate::ColumnMap { exclude: lines.to_vec(), ..crate::ColumnMap::default() };
+            MeasurementsOptions { columns, ..MeasurementsOptions::default() }
+        };
+        let blocks = |lines: &[u64]| {
+            let mut reader = MeasurementsReader::open(&path, &chain, &left_out(lines))?;
+            let (mut block, mut rows) = (Dataset::default(), 0);
+            loop {
+                match reader.read_block(500, &mut block)? {
+                    0 => return Ok::<usize, IoError>(rows),
+                    more => rows += more,
+                }
+            }
+        };
+        let whole = |lines: &[u64]| {
+            crate::read_measurements(&path, &chain, &left_out(lines)).map(|read| read.0.len())
+        };
+        assert_eq!((blocks(&[3, 39_000]).unwrap(), whole(&[3, 39_000]).unwrap()), (39_998, 39_998));
+        for error in [blocks(&[3, 40_002]).unwrap_err(), whole(&[3, 40_002]).unwrap_err()] {
+            assert!(error.to_string().contains("d.csv:40002: is to be left out"), "{error}");
+        }
+        assert!(sample_measurements(&path, &chain, &left_out(&[3, 39_000]), 640).is_ok());
     }
 }
