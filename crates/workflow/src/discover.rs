@@ -18,7 +18,7 @@ use truepose_errormodel::{Dataset, FittedModel, ModelError};
 use truepose_identify::{FitOptions, Folds, IdentifyError, Split, as_found};
 use truepose_report::{Correction, DiscoverySettings, DiscoverySummary, NestedSummary};
 
-/// What is asked of a search.
+/// Request of a search.
 #[derive(Debug, Clone, Default)]
 pub struct DiscoverRequest {
     /// Of the search, but for the options of the fits, which are those of its rows.
@@ -169,7 +169,7 @@ impl Search {
         Ok(())
     }
 
-    /// Adds the nested cross-validation that was asked for: the search is repeated with each outer fold left out.
+    /// Adds the nested cross-validation that was requested: the search is repeated with each outer fold left out.
     ///
     /// # Errors
     /// When a search fails, or the observer ends the run.
@@ -195,7 +195,7 @@ impl Search {
     /// The search without one outer fold, counted from 0.
     ///
     /// # Errors
-    /// When nested cross-validation was not asked for, there is no such fold, or the search fails.
+    /// When nested cross-validation was not requested, there is no such fold, or the search fails.
     pub fn without(
         &self,
         fold: usize,
@@ -210,7 +210,7 @@ impl Search {
     /// The nested cross-validation that the runs of all outer folds come to; those of the search itself where it made the same folds.
     ///
     /// # Errors
-    /// When nested cross-validation was not asked for, or the runs do not belong to it.
+    /// When nested cross-validation was not requested, or the runs do not belong to it.
     pub fn nested_of(
         &self,
         (found, data): (&Diagnosis, &Dataset),
@@ -237,7 +237,7 @@ impl Search {
 }
 
 fn not_nested() -> WorkflowError {
-    WorkflowError::option("nested", "nested cross-validation was not asked for")
+    WorkflowError::option("nested", "nested cross-validation was not requested")
 }
 
 /// Channels that the search tests as one, in words.

@@ -15,7 +15,7 @@ use truepose_identify::{
 };
 use truepose_report::{Correction, IdentificationSummary, StreamedSummary};
 
-/// What is asked of an identification.
+/// Request of an identification.
 #[derive(Debug, Clone)]
 pub struct IdentifyRequest {
     /// Folds of the cross-validation.
@@ -114,7 +114,7 @@ pub fn identify(
     let Campaign { chain, effects, data, .. } = &campaign;
     let begin = |step| observer.step(words(step));
     let found = identified(chain, effects, data, solver, &options, &begin).map_err(|error| {
-        // With the result they stand at its head.
+        // With the result they are at its head.
         source.check.suspected.iter().for_each(|words| observer.remark(words));
         about_rows(&source.info.file, error)
     })?;

@@ -58,7 +58,7 @@ pub fn predict(
     Ok(Predicted { predicted, beyond, residuals })
 }
 
-/// Brings values that stand session by session into the order of the rows.
+/// Brings values that are listed session by session into the order of the rows.
 fn in_order<T>(parts: &[Part], values: &mut Vec<T>) {
     let rows = parts.iter().flat_map(|part| part.rows.iter().copied());
     let mut numbered: Vec<(usize, T)> = rows.zip(values.drain(..)).collect();

@@ -10,7 +10,7 @@ use truepose_report::SisterSummary;
 use truepose_solvers::Solver;
 use truepose_upkeep::sister;
 
-/// What speaks against a prior of this file: it is no fleet's, or these rows are in it.
+/// Reasons against a prior of this file: it is no fleet's, or these rows are in it.
 pub fn prior_remarks(file: &Path, prior: &FittedModel, data: &Dataset) -> Vec<String> {
     let mut all = Vec::new();
     if !of_fleet(prior) {

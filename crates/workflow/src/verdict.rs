@@ -28,7 +28,7 @@ pub(crate) struct FitVerdict {
     pub fits: Option<bool>,
     /// Whether unseen poses are predicted much worse than by base and tool alone.
     pub contradicted: bool,
-    /// Whether it failed a specification that was asked for; none without one.
+    /// Whether it failed a specification that was requested; none without one.
     pub failed: Option<bool>,
 }
 

@@ -29,7 +29,7 @@ pub struct CommandOptions {
 /// The expected accuracy of a command.
 #[derive(Debug, Clone)]
 pub struct Expected {
-    /// Distance from the desired position within which the point that was asked for lies with 95 % probability, m; infinite where the data of the
+    /// Distance from the desired position within which the requested point lies with 95 % probability, m; infinite where the data of the
     /// fit does not determine where that point is.
     pub within_95: f64,
     /// Distance of the nominal robot from there under this command, m.
@@ -90,9 +90,9 @@ pub(super) fn expected(
                     beyond: at.beyond,
                 };
                 if command.status == Status::Ok && !correction_helps(&displacement, &at.covariance) {
-                    let asked = wanted(poses, &conditions, row).target;
+                    let requested = wanted(poses, &conditions, row).target;
                     let nominal = &mut nominals[inputs.tool(row).0];
-                    let other = nominal.command(&asked, &conditions, Some(&command.joints));
+                    let other = nominal.command(&requested, &conditions, Some(&command.joints));
                     if other.status == Status::Ok {
                         command.joints = other.joints;
                         // At most the displacement that is not corrected is added.
@@ -102,7 +102,7 @@ pub(super) fn expected(
                         conditions.joints.extend_from_slice(&other.joints);
                         expected.beyond = coverage.judge(&conditions, target).beyond;
                         let there = coverage.judge(&conditions, target).pose.translation;
-                        command.position_error = (there - asked.position).norm();
+                        command.position_error = (there - requested.position).norm();
                     }
                 }
                 expected

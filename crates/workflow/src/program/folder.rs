@@ -60,16 +60,16 @@ impl FolderRewritten {
         program.files.first().map(|part| self.short(&part.file).display().to_string()).unwrap_or_default()
     }
 
-    /// All programs as one, with the offsets of all of them where they were asked for; and the files of the folder. `refused` has line 0 for each
+    /// All programs as one, with the offsets of all of them where they are requested; and the files of the folder. `refused` has line 0 for each
     /// program that is not compensated.
     ///
     /// # Errors
-    /// When offsets were asked for, and none improves the points.
+    /// When offsets are requested, and none improves the points.
     pub fn joined(self) -> Result<(Rewritten, Backup), WorkflowError> {
         let (view, notes) = (self.view(), self.notes());
         let names: Vec<String> = self.programs.iter().map(|program| self.name(program)).collect();
         let mut all = Rewritten { view, notes, ..Rewritten::default() };
-        let asked = self.programs.iter().any(|program| !program.gathered.is_empty());
+        let requested = self.programs.iter().any(|program| !program.gathered.is_empty());
         let FolderRewritten { programs, backup, from } = self;
         for (program, name) in programs.into_iter().zip(names) {
             all.gathered.join(program.gathered, all.labels.len(), &name);
@@ -78,7 +78,7 @@ impl FolderRewritten {
             let more = program.warnings.into_iter().filter(|words| !all.warnings.contains(words));
             all.warnings.extend(more.collect::<Vec<_>>());
         }
-        if asked {
+        if requested {
             let short = |file: &Path| file.strip_prefix(&from).unwrap_or(file).display().to_string();
             offsets::fill(&mut all, &short)?;
         }

@@ -1,4 +1,4 @@
-//! What is asked of a program's rewriting.
+//! Request of the rewriting of a program.
 
 use crate::place::GivenPlace;
 use std::path::{Path, PathBuf};

@@ -4,6 +4,7 @@
 //! ```text
 //! r = (I − X C Xᵀ) y,   g = Aᵀ r,   G = Aᵀ (I − X C Xᵀ) A,   δ = G⁻¹ g,   r' = r − (I − X C Xᵀ) A δ
 //! F = (gᵀδ/k) / (Σ r'²/(Σ (1 − λ_i) − k)),                   sums over the numbers of the same kind
+//! F_ρ = F / max(1, m),   m = Σ_v u_vᵀ G⁻¹ u_v / (k s²) · n_ρ/(f_ρ − k),   u_v = Σ_{i∈v} a_i r'_i
 //! ```
 //!
 //! | symbol | here |
@@ -11,6 +12,12 @@
 //! | X, r, C | design matrix and residual of the fit, over the noise of each number; covariance of the coefficients |
 //! | A | n × k: what the k further unknowns do to each number: K of a sensor from some row on, the columns of [`Freed`](super::Freed), of tool or base, or a row alone |
 //! | λ_i | leverage, x_i C x_iᵀ |
+//! | v, a_i, s² | standstills; rows of A − X C XᵀA; the denominator of F |
+//! | n_ρ, f_ρ | directions in which standstills can be displaced; degrees of freedom that the fit leaves to them |
+//!
+//! Where the numbers of a standstill share a displacement, the fit of the test has numbers that share nothing and have the same variance in all: what is
+//! wrong throughout looks like a displacement of every standstill, and the estimate of these takes it up. It is tested by F_ρ, of which m is the mean
+//! factor by which standstills scatter more than independent numbers (Rao and Scott 1981, first order).
 //!
 //! Something that moved has to show more than the visits would in any other order (`order`).
 //!
