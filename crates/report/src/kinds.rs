@@ -193,7 +193,7 @@ impl KindsSummary {
         self.kinds.iter().map(row).collect()
     }
 
-    /// What each kind leaves, what was observed as it was found, and what is wrong with it; `remark` stands behind the caption.
+    /// What each kind leaves, what was observed as it was found, and what is wrong with it; `remark` follows the caption.
     pub(crate) fn show(&self, remark: &str, document: &mut Document) {
         use Alignment::{Left, Right};
         let columns = [Left, Right, Left, Right, Right, Right, Right, Right];

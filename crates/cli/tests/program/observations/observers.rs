@@ -1,8 +1,7 @@
 //! A search asks whether the robot is wrong, or what observed it.
 
-use crate::folder::Folder;
+use super::eye::of_another_lens;
 use std::ops::ControlFlow;
-use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 use truepose_discover::DiscoverOptions;
@@ -12,18 +11,7 @@ use truepose_workflow::{DiscoverRequest, InputFiles, NamedSolver, Observer, Sear
 
 #[test]
 fn a_lens_that_is_not_the_stated_one_is_blamed_and_found() {
-    let folder = Folder::empty();
-    let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/10_hand_eye/robot.toml");
-    let robot = std::fs::read_to_string(example).unwrap();
-    // The board lies in front of the robot, whose place is known.
-    folder.write("robot.toml", &robot.replace("known = false", "xyz = [-550, -150, -30]"));
-    let corners: String = (1..13).map(|k| format!("[[landmarks]]\nname = \"c{k}\"\nrows = 0\n")).collect();
-    let plant = "robot = \"robot.toml\"\nseed = 5\n[campaign]\nvisits = 0\nshuffled = true\n\
-        [errors.geometric]\nposition_mm = 0.5\nangle_mrad = 0.5\n\
-        [[cameras]]\nname = \"eye\"\nimages = 16\nxyz_mm = [40, -50, 60]\nrpy_deg = [1.7, -1.1, 34]\n\
-        distance_mm = [250, 500]\nnormal = [0, 0, 1]\nsd_px = 0.1\nfx = 909\nfy = 909\n";
-    folder.write("plant.toml", &(plant.to_owned() + &corners));
-    folder.run("simulate --plant plant.toml --out data.csv").ended(0);
+    let folder = of_another_lens(5, [0.5, 0.5], 16);
     let run = folder.run("discover --robot robot.toml --data data.csv --json").ended(0);
     let found = run.json();
     let observers = &found["observers"];

@@ -75,7 +75,7 @@ impl Design {
         standstills: &[usize],
         shared: Option<Shared>,
     ) -> Result<Self, IdentifyError> {
-        let visit_sd = shared.map_or(0.0, |shared| shared.noise.visit_sd);
+        let visit_sd = shared.map_or(fit.noise.visit_sd, |shared| shared.noise.visit_sd);
         let covariance = fit.fitted.covariance().clone();
         let mut lineariser = Lineariser::new(fit.fitted.model(), data, fit.noise, fit.fitted.coefficients())?;
         let width = lineariser.width();
@@ -89,8 +89,9 @@ impl Design {
                 }
                 let stated = data.position_sd[at][which];
                 let w = data.ray(at).unwrap_or_else(|| Vector3::ith(which, 1.0));
-                let sd = fit.noise.position(stated);
-                let alone = shared.map_or(sd, |shared| shared.noise.position(stated));
+                let own = fit.noise.position(stated);
+                let sd = own.hypot(fit.noise.visit_sd * w.norm());
+                let alone = shared.map_or(own, |shared| shared.noise.position(stated));
                 beside.push((numbers[width - 1], alone.powi(-2), w, true));
                 x.extend(numbers[..width - 1].iter().map(|v| v / sd));
                 residual.push(numbers[width - 1] / sd);
